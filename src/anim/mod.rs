@@ -1,0 +1,5 @@
+//! Layer 1: pure animation data and functions. No ECS, no handles, no time.
+
+pub mod pose;
+pub mod skeleton;
+pub mod skin;

@@ -1,0 +1,156 @@
+//! Poses: local (each joint in its parent's space) and model (each joint in model space).
+//!
+//! Buffers are sized once from the skeleton; nothing here allocates afterwards.
+
+use bevy::math::{Affine3A, Quat, Vec3};
+
+use super::skeleton::{JointIndex, JointTransform, Skeleton};
+
+/// One character's pose. Local transforms are written, model matrices follow from them.
+#[derive(Clone, Debug, Default)]
+pub struct Pose {
+    local: Vec<JointTransform>,
+    model: Vec<Affine3A>,
+}
+
+impl Pose {
+    /// The rest pose of `skeleton`.
+    #[must_use]
+    pub fn rest(skeleton: &Skeleton) -> Self {
+        let mut pose = Self { local: skeleton.rest().to_vec(), model: vec![Affine3A::IDENTITY; skeleton.len()] };
+        pose.update_model(skeleton);
+        pose
+    }
+
+    /// How many joints it has.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.local.len()
+    }
+
+    /// Whether it has no joint.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.local.is_empty()
+    }
+
+    /// The joint in its parent's space.
+    #[must_use]
+    pub fn local(&self, joint: JointIndex) -> JointTransform {
+        self.local[joint.index()]
+    }
+
+    /// Puts the joint in its parent's space. Model matrices are stale until [`Pose::update_model`] or
+    /// [`Pose::update_model_below`].
+    pub fn set_local(&mut self, joint: JointIndex, transform: JointTransform) {
+        self.local[joint.index()] = transform;
+    }
+
+    /// All local transforms.
+    #[must_use]
+    pub fn locals(&self) -> &[JointTransform] {
+        &self.local
+    }
+
+    /// All local transforms, to be written. Model matrices are stale until [`Pose::update_model`].
+    pub fn locals_mut(&mut self) -> &mut [JointTransform] {
+        &mut self.local
+    }
+
+    /// The joint in model space: `model_from_joint`.
+    #[must_use]
+    pub fn model(&self, joint: JointIndex) -> Affine3A {
+        self.model[joint.index()]
+    }
+
+    /// The joint's position in model space.
+    #[must_use]
+    pub fn position(&self, joint: JointIndex) -> Vec3 {
+        self.model[joint.index()].translation.into()
+    }
+
+    /// All joints in model space.
+    #[must_use]
+    pub fn models(&self) -> &[Affine3A] {
+        &self.model
+    }
+
+    /// Model matrices from local transforms, all of them.
+    pub fn update_model(&mut self, skeleton: &Skeleton) {
+        self.update_model_from(skeleton, 0);
+    }
+
+    /// Model matrices of `joint` and everything after it in the skeleton's order, hence also of all below it.
+    pub fn update_model_below(&mut self, skeleton: &Skeleton, joint: JointIndex) {
+        self.update_model_from(skeleton, joint.index());
+    }
+
+    /// Turns `joint` by `rotation_model` (model space, about the joint) in place of its local rotation.
+    /// Model matrices are stale afterwards.
+    pub fn rotate_model(&mut self, skeleton: &Skeleton, joint: JointIndex, rotation_model: Quat) {
+        let parent = self.parent_rotation(skeleton, joint);
+        let local = &mut self.local[joint.index()];
+        local.rotation = (parent.inverse() * rotation_model * parent * local.rotation).normalize();
+    }
+
+    /// Rotation of the joint in model space; scale and mirroring taken out.
+    #[must_use]
+    pub fn rotation(&self, joint: JointIndex) -> Quat {
+        rotation_of(&self.model[joint.index()])
+    }
+
+    /// Rotation, in model space, of what `joint` hangs on.
+    #[must_use]
+    pub fn parent_rotation(&self, skeleton: &Skeleton, joint: JointIndex) -> Quat {
+        match skeleton.parent(joint) {
+            Some(parent) => self.rotation(parent),
+            None => rotation_of(&skeleton.model_from_root),
+        }
+    }
+
+    fn update_model_from(&mut self, skeleton: &Skeleton, first: usize) {
+        debug_assert_eq!(self.local.len(), skeleton.len(), "a pose belongs to the skeleton it was made for");
+        for (index, parent) in skeleton.parents().iter().enumerate().skip(first) {
+            let above = parent.map_or(skeleton.model_from_root, |p| self.model[p.index()]);
+            self.model[index] = above * self.local[index].to_affine();
+        }
+    }
+}
+
+/// Rotation part of a matrix; the identity where an axis is squashed to nothing.
+#[must_use]
+pub fn rotation_of(matrix: &Affine3A) -> Quat {
+    let rotation = matrix.to_scale_rotation_translation().1;
+    if rotation.is_finite() && rotation.length_squared() > 0.5 { rotation } else { Quat::IDENTITY }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arm() -> Skeleton {
+        let step = JointTransform { translation: Vec3::Y, ..JointTransform::IDENTITY };
+        let joints = [
+            ("shoulder".to_owned(), None, JointTransform::IDENTITY),
+            ("elbow".to_owned(), Some(JointIndex(0)), step),
+            ("wrist".to_owned(), Some(JointIndex(1)), step),
+        ];
+        Skeleton::new(joints, Affine3A::from_translation(Vec3::X)).expect("parents come first")
+    }
+
+    #[test]
+    fn model_positions_follow_the_chain_and_the_root() {
+        let pose = Pose::rest(&arm());
+        assert_eq!(pose.position(JointIndex(2)), Vec3::new(1.0, 2.0, 0.0));
+    }
+
+    #[test]
+    fn a_turn_in_model_space_swings_what_hangs_below() {
+        let skeleton = arm();
+        let mut pose = Pose::rest(&skeleton);
+        pose.rotate_model(&skeleton, JointIndex(1), Quat::from_rotation_z(core::f32::consts::FRAC_PI_2));
+        pose.update_model_below(&skeleton, JointIndex(1));
+        let wrist = pose.position(JointIndex(2));
+        assert!(wrist.distance(Vec3::new(0.0, 1.0, 0.0)) < 1e-6, "wrist at {wrist}");
+    }
+}

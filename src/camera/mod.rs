@@ -1,0 +1,1 @@
+//! Layer 4: the third-person camera. Knows nothing of characters.

@@ -1,0 +1,41 @@
+//! The spine: every stage of a character, in order, once. Other files only say `.in_set(…)`.
+
+use bevy::prelude::*;
+
+/// Fixed clock (`FixedUpdate`): deterministic, the same for every frame rate.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MotionSystems {
+    /// Players, AI and tests write `MoveIntent`.
+    Decide,
+    /// The controller turns `MoveIntent` into a moved root and `MotionState`.
+    Move,
+}
+
+/// Frame clock (`PostUpdate`, before transforms propagate): exact in dt, on the interpolated root.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PoseSystems {
+    /// `MotionState` → clip weights and phase.
+    Locomote,
+    /// Clips → local pose.
+    Sample,
+    /// Ground → feet, ankles, pelvis of the local pose.
+    Plant,
+    /// Model pose, and what rides on it.
+    Attach,
+    /// Model pose → skinning matrices.
+    Palette,
+}
+
+/// Orders the stages.
+pub struct SchedulePlugin;
+
+impl Plugin for SchedulePlugin {
+    fn build(&self, app: &mut App) {
+        app.configure_sets(FixedUpdate, (MotionSystems::Decide, MotionSystems::Move).chain()).configure_sets(
+            PostUpdate,
+            (PoseSystems::Locomote, PoseSystems::Sample, PoseSystems::Plant, PoseSystems::Attach, PoseSystems::Palette)
+                .chain()
+                .before(bevy::transform::TransformSystems::Propagate),
+        );
+    }
+}

@@ -1,0 +1,22 @@
+//! Characters whose feet stay where they land.
+//!
+//! Layers, bottom to top; a file imports lower layers, or earlier stages of its own:
+//! [`math`] → [`anim`] → [`rig`] → [`character`] → `skinning` → [`measure`] → [`testing`] → `terrain`, `camera` → `game`.
+//!
+//! Model space everywhere: metres, +Y up, the character faces -Z.
+
+pub mod anim;
+pub mod character;
+pub mod math;
+pub mod measure;
+pub mod rig;
+pub mod testing;
+
+#[cfg(feature = "game")]
+pub mod camera;
+#[cfg(feature = "game")]
+pub mod game;
+#[cfg(feature = "render")]
+pub mod skinning;
+#[cfg(feature = "game")]
+pub mod terrain;

@@ -1,0 +1,3 @@
+//! The game binary.
+
+fn main() {}

@@ -1,0 +1,4 @@
+//! What a developer tunes, one file per stage. Radians in code, degrees in RON.
+
+pub mod degrees;
+pub mod motion;

@@ -1,0 +1,1 @@
+//! Layer 3: palettes to the GPU.

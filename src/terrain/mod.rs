@@ -1,0 +1,1 @@
+//! Layer 4: ground and obstacles. Knows nothing of characters.

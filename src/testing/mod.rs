@@ -1,0 +1,1 @@
+//! Layer 4: the public headless harness: stage, worlds, input tapes.
