@@ -1,4 +1,6 @@
 //! What a developer tunes, one file per stage. Radians in code, degrees in RON.
 
 pub mod degrees;
+pub mod foot_ik;
+pub mod locomotion;
 pub mod motion;
