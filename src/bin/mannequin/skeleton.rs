@@ -94,3 +94,15 @@ pub const TIP: Vec3 = Vec3::new(0.092, 0.0, 0.198);
 pub fn index(name: &str) -> usize {
     JOINTS.iter().position(|j| j.name == name).expect("joint is in the table")
 }
+
+/// Index of the joint on the other side; a joint of the middle is its own.
+#[must_use]
+pub fn opposite(joint: usize) -> usize {
+    let name = JOINTS[joint].name;
+    let other = match (name.strip_prefix("left"), name.strip_prefix("right")) {
+        (Some(rest), _) => format!("right{rest}"),
+        (_, Some(rest)) => format!("left{rest}"),
+        _ => return joint,
+    };
+    index(&other)
+}
