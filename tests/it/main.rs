@@ -1,1 +1,3 @@
 //! All integration tests in one binary, since each one links for seconds.
+
+mod layers;
