@@ -3,6 +3,7 @@
 //! `mannequin [--out FILE]`; the default file is `assets/mannequin.glb`. The same source gives the same bytes.
 
 mod clip;
+mod clips;
 mod glb;
 mod mesh;
 mod morphs;
@@ -33,5 +34,5 @@ fn out_file(mut args: impl Iterator<Item = String>) -> Result<PathBuf, String> {
 /// The bytes of the file.
 fn bake() -> Vec<u8> {
     let soft = soft::soft();
-    glb::write(&[(mesh::Material::Undersuit, soft)], &[])
+    glb::write(&[(mesh::Material::Undersuit, soft)], &clips::all())
 }

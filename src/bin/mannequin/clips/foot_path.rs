@@ -1,0 +1,168 @@
+//! The path of one foot through a stride: planted on exact contact points, then swung to where it lands next.
+//!
+//! Written for the LEFT foot; the right one is the mirror image half a stride later. Model space of the file, in place:
+//! the ground runs under the body at `−travel` m/s. Phase 0..1 from initial contact; angles in degrees.
+
+use super::curves::Spline;
+use super::leg::{Foot, Sole};
+use glam::{DQuat, DVec3};
+
+/// Share of the acceleration of stance that swing takes over; with all of it the foot would linger where it left.
+const FIRMNESS: f64 = 0.3;
+
+/// How a foot stands, rolls and swings.
+///
+/// In stance a positive pitch turns the foot about its heel, a negative one about the toe joint while the toes lie flat,
+/// and from `tip_off` on the toes lift too, about their tip. All three points lie still on the ground in their time.
+pub struct Stride {
+    /// Seconds from one contact to the next.
+    pub period: f64,
+    /// Velocity of the body over the ground, m/s.
+    pub travel: DVec3,
+    /// Phase at which the foot leaves the ground.
+    pub toe_off: f64,
+    /// Phase from which only the tip of the toes stays.
+    pub tip_off: f64,
+    /// Ankle of the flat foot at phase 0, metres; its height is that of the skeleton.
+    pub placement: DVec3,
+    /// Toes outward +.
+    pub toe_out: f64,
+    /// Pitch of the foot, toes up +.
+    pub pitch: Spline,
+    /// Bend of the toes against the foot from `tip_off` to the next flat stance, up +.
+    pub toes: Spline,
+    /// Ankle in swing that the path is drawn after, at any phase; it need not meet the stance.
+    pub swing: Box<dyn Fn(f64) -> DVec3>,
+    /// Widths of phase over which the drawn path is bent to the stance, after leaving and before landing.
+    pub bends: [f64; 2],
+    /// Bumps of the drawn path.
+    pub bumps: Vec<Bump>,
+    /// Points of the sole at rest.
+    pub sole: Sole,
+}
+
+/// A smooth bump of a path: `by` metres at phase `peak`, nothing from `width` away on.
+#[derive(Clone, Copy, Debug)]
+pub struct Bump {
+    pub peak: f64,
+    pub width: f64,
+    pub by: DVec3,
+}
+
+impl Bump {
+    /// `up` and `ahead` in metres.
+    #[must_use]
+    pub const fn new(peak: f64, width: f64, up: f64, ahead: f64) -> Self {
+        Self { peak, width, by: DVec3::new(0.0, up, ahead) }
+    }
+
+    fn at(&self, phase: f64) -> DVec3 {
+        let t = (phase - self.peak) / self.width;
+        self.by * (1.0 - t * t).max(0.0).powi(3)
+    }
+}
+
+impl Stride {
+    /// The foot at `phase`.
+    #[must_use]
+    pub fn foot(&self, phase: f64) -> Foot {
+        let phase = phase.rem_euclid(1.0);
+        let mut foot = self.planted(phase);
+        if phase > self.toe_off {
+            foot.ankle = self.swung(phase);
+        }
+        foot
+    }
+
+    fn pitch_at(&self, phase: f64) -> f64 {
+        self.pitch.at(self.pitch.wrapped(phase))
+    }
+
+    fn toe_bend(&self, phase: f64, pitch: f64) -> f64 {
+        if phase >= self.tip_off {
+            self.toes.at(phase)
+        } else if pitch <= 0.0 {
+            -pitch
+        } else {
+            self.toes.at(phase + 1.0)
+        }
+    }
+
+    /// The foot as the ground contact of stance holds it, also a little beyond.
+    fn planted(&self, phase: f64) -> Foot {
+        let sole = &self.sole;
+        let pitch = self.pitch_at(phase);
+        let heading = DQuat::from_rotation_y(self.toe_out.to_radians());
+        let turn = heading * DQuat::from_rotation_x(-pitch.to_radians());
+        let toe_pitch = pitch + self.toe_bend(phase, pitch);
+        let toes = heading * DQuat::from_rotation_x(-toe_pitch.to_radians());
+        let ground = self.placement - self.travel * (phase * self.period);
+        let flat = |point: DVec3| ground + heading * (point - sole.ankle);
+        let ankle = if pitch > 0.0 {
+            flat(sole.heel) + turn * (sole.ankle - sole.heel)
+        } else {
+            let toe_joint = if phase >= self.tip_off {
+                flat(sole.tip) + toes * (sole.toe_joint - sole.tip)
+            } else {
+                flat(sole.toe_joint)
+            };
+            toe_joint + turn * (sole.ankle - sole.toe_joint)
+        };
+        Foot { ankle, turn, toes }
+    }
+
+    /// The ankle in swing: the drawn path, bent at both ends so that place and velocity (and some of the acceleration)
+    /// meet the stance.
+    fn swung(&self, phase: f64) -> DVec3 {
+        let drawn = |p: f64| self.bumps.iter().fold((self.swing)(p), |path, bump| path + bump.at(p));
+        let [leave, land] = self.bends;
+        let left = Miss::between(|p| self.planted(p).ankle, drawn, self.toe_off);
+        let landed = Miss::between(|p| self.planted(p - 1.0).ankle, drawn, 1.0);
+        let after = left.fading(leave, (phase - self.toe_off) / leave);
+        let before = landed.backward().fading(land, (1.0 - phase) / land);
+        drawn(phase) + after + before
+    }
+}
+
+/// Bend of the toes from `tip_off` on: it goes on from toes lying flat under a foot of this `pitch`, then through `knots`.
+#[must_use]
+pub fn toe_curve(pitch: &Spline, tip_off: f64, knots: &[(f64, f64)]) -> Spline {
+    let step = 1e-4;
+    let slope = (pitch.at(tip_off - step) - pitch.at(tip_off + step)) / (2.0 * step);
+    let knots: Vec<(f64, f64)> = [(tip_off, -pitch.at(tip_off))].into_iter().chain(knots.iter().copied()).collect();
+    Spline::clamped(&knots, slope, 0.0)
+}
+
+/// How far the stance is from the drawn swing at one phase: place, velocity and acceleration per phase.
+struct Miss {
+    place: DVec3,
+    velocity: DVec3,
+    acceleration: DVec3,
+}
+
+impl Miss {
+    fn between(stance: impl Fn(f64) -> DVec3, swing: impl Fn(f64) -> DVec3, phase: f64) -> Self {
+        let step = 1e-4;
+        let miss = |p: f64| stance(p) - swing(p);
+        let (before, here, after) = (miss(phase - step), miss(phase), miss(phase + step));
+        Self {
+            place: here,
+            velocity: (after - before) / (2.0 * step),
+            acceleration: FIRMNESS * (after - 2.0 * here + before) / (step * step),
+        }
+    }
+
+    /// The same, with phase running backward.
+    fn backward(self) -> Self {
+        Self { velocity: -self.velocity, ..self }
+    }
+
+    /// The quintic from this miss to none over `width` of phase, at `t`; none from t = 1 on.
+    fn fading(&self, width: f64, t: f64) -> DVec3 {
+        let u = (1.0 - t).max(0.0);
+        let velocity = self.velocity * width;
+        let acceleration = self.acceleration * width * width;
+        let (place, rise) = (self.place, velocity + 3.0 * self.place);
+        u * u * u * (place + t * (rise + t * (3.0 * rise - 3.0 * place + 0.5 * acceleration)))
+    }
+}

@@ -1,0 +1,98 @@
+//! Cyclic clips: a stride for each foot and a trunk that moves over them.
+//!
+//! Model space of the file, in place; phase 0..1, 0 = left foot's initial contact.
+
+use super::super::clip::Clip;
+use super::body::{Arm, Figure, hip_joint};
+use super::curves::{Fourier, ease};
+use super::foot_path::Stride;
+use super::leg::rest;
+use super::record::{Moment, Timing, record};
+use glam::{DQuat, DVec3};
+
+/// Pelvis, thorax, head and arms at one phase.
+#[derive(Clone, Copy, Debug)]
+pub struct Trunk {
+    pub hips: DVec3,
+    pub pelvis: DQuat,
+    pub thorax: DQuat,
+    pub head: DQuat,
+    pub arms: [Arm; 2],
+}
+
+/// A way of going.
+pub struct Gait {
+    pub name: &'static str,
+    /// Left and right foot; the right one as its own mirror image.
+    pub strides: [Stride; 2],
+    /// Phase of the right foot when the left one lands.
+    pub right_phase: f64,
+    /// Keys per second.
+    pub rate: f64,
+    /// Knees outward, degrees.
+    pub knees_out: f64,
+    pub trunk: fn(f64) -> Trunk,
+}
+
+impl Gait {
+    /// The body at `phase`.
+    #[must_use]
+    pub fn figure(&self, phase: f64) -> Figure {
+        let trunk = (self.trunk)(phase);
+        Figure {
+            hips: trunk.hips,
+            pelvis: trunk.pelvis,
+            thorax: trunk.thorax,
+            head: trunk.head,
+            arms: trunk.arms,
+            feet: [self.strides[0].foot(phase), self.strides[1].foot(phase + self.right_phase).mirrored()],
+            knees_out: [self.knees_out; 2],
+        }
+    }
+
+    /// The looping clip.
+    #[must_use]
+    pub fn clip(&self) -> Clip {
+        let stride = &self.strides[0];
+        let speed = stride.travel.length();
+        let timing = Timing { seconds: stride.period, rate: self.rate, ground_speed: Some(speed) };
+        record(self.name, timing, |time| Moment::from(self.figure(time / stride.period)))
+    }
+}
+
+/// A leg's swing by the sagittal angles of its segments.
+#[derive(Clone, Copy, Debug)]
+pub struct SwingAngles {
+    /// Elevation of thigh and shank in degrees, foot forward +.
+    pub thigh: Fourier,
+    pub shank: Fourier,
+    /// About the smallest bend of the knee, degrees.
+    pub least_knee: f64,
+    /// Phase by which the curves run ahead at landing, so that the foot comes back toward the ground's own speed.
+    pub early: f64,
+    /// Ankle to the left of the midline, metres.
+    pub x: f64,
+}
+
+impl SwingAngles {
+    /// Ankle of the left leg below the moving hip, by phase.
+    #[must_use]
+    pub fn below(self, trunk: fn(f64) -> Trunk) -> impl Fn(f64) -> DVec3 {
+        let thigh_length = (rest("leftLowerLeg") - rest("leftUpperLeg")).length();
+        let shank_length = (rest("leftFoot") - rest("leftLowerLeg")).length();
+        move |phase| {
+            let body = trunk(phase);
+            let hip = hip_joint(body.hips, body.pelvis, 0);
+            let drawn = phase + self.early * ease(0.65, 1.0, phase);
+            let (thigh, shank) = (self.thigh.at(drawn), self.shank.at(drawn));
+            let knee = thigh - shank;
+            let excess = 0.5 * (knee - self.least_knee);
+            let bent = self.least_knee + excess + (excess * excess + 16.0).sqrt();
+            let more = 0.5 * (bent - knee);
+            let (thigh, shank) = ((thigh + more).to_radians(), (shank - more).to_radians());
+            let down = thigh.cos() * thigh_length + shank.cos() * shank_length;
+            let ahead = thigh.sin() * thigh_length + shank.sin() * shank_length;
+            DVec3::new(self.x, hip.y - down, hip.z + ahead)
+        }
+    }
+}

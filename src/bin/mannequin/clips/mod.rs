@@ -1,0 +1,22 @@
+//! The mannequin's clips, drawn by code: feet on exact contact paths, legs by inverse kinematics, the rest by curves.
+//!
+//! All in the file's model space (metres, +Y up, facing +Z, left +X) and in place: the root stays, feet in stance run
+//! backward at exactly the clip's speed.
+
+mod body;
+mod curves;
+mod foot_path;
+mod gait;
+mod idle;
+mod leg;
+mod record;
+mod run;
+mod walk;
+
+use super::clip::Clip;
+
+/// Every clip of the file.
+#[must_use]
+pub fn all() -> Vec<Clip> {
+    vec![idle::clip(), walk::gait().clip(), run::gait().clip()]
+}
