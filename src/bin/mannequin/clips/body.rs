@@ -69,6 +69,21 @@ pub fn hip_joint(hips: DVec3, pelvis: DQuat, side: usize) -> DVec3 {
 }
 
 impl Figure {
+    /// The mirror image: left and right change places.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        let swap = |feet: [Foot; 2]| [feet[1].mirrored(), feet[0].mirrored()];
+        Self {
+            hips: mirror_point(self.hips),
+            pelvis: mirror_turn(self.pelvis),
+            thorax: mirror_turn(self.thorax),
+            head: mirror_turn(self.head),
+            arms: [self.arms[1], self.arms[0]],
+            feet: swap(self.feet),
+            knees_out: [self.knees_out[1], self.knees_out[0]],
+        }
+    }
+
     /// The pose of all joints.
     #[must_use]
     pub fn joints(&self) -> Joints {

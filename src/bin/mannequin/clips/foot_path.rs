@@ -3,9 +3,9 @@
 //! Written for the LEFT foot; the right one is the mirror image half a stride later. Model space of the file, in place:
 //! the ground runs under the body at `−travel` m/s. Phase 0..1 from initial contact; angles in degrees.
 
-use super::curves::Spline;
-use super::leg::{Foot, Sole};
-use glam::{DQuat, DVec3};
+use super::curves::{Spline, ease};
+use super::leg::{Foot, Footing, Sole};
+use glam::DVec3;
 
 /// Share of the acceleration of stance that swing takes over; with all of it the foot would linger where it left.
 const FIRMNESS: f64 = 0.3;
@@ -31,8 +31,8 @@ pub struct Stride {
     pub pitch: Spline,
     /// Bend of the toes against the foot from `tip_off` to the next flat stance, up +.
     pub toes: Spline,
-    /// Ankle in swing that the path is drawn after, at any phase; it need not meet the stance.
-    pub swing: Box<dyn Fn(f64) -> DVec3>,
+    /// Ankle in swing that the path is drawn after, at any phase; it need not meet the stance. `None`: straight ahead.
+    pub swing: Option<Box<dyn Fn(f64) -> DVec3>>,
     /// Widths of phase over which the drawn path is bent to the stance, after leaving and before landing.
     pub bends: [f64; 2],
     /// Bumps of the drawn path.
@@ -84,53 +84,61 @@ impl Stride {
         } else if pitch <= 0.0 {
             -pitch
         } else {
-            self.toes.at(phase + 1.0)
+            self.toes.at(self.toes.wrapped(phase))
         }
     }
 
     /// The foot as the ground contact of stance holds it, also a little beyond.
     fn planted(&self, phase: f64) -> Foot {
-        let sole = &self.sole;
         let pitch = self.pitch_at(phase);
-        let heading = DQuat::from_rotation_y(self.toe_out.to_radians());
-        let turn = heading * DQuat::from_rotation_x(-pitch.to_radians());
-        let toe_pitch = pitch + self.toe_bend(phase, pitch);
-        let toes = heading * DQuat::from_rotation_x(-toe_pitch.to_radians());
-        let ground = self.placement - self.travel * (phase * self.period);
-        let flat = |point: DVec3| ground + heading * (point - sole.ankle);
-        let ankle = if pitch > 0.0 {
-            flat(sole.heel) + turn * (sole.ankle - sole.heel)
-        } else {
-            let toe_joint = if phase >= self.tip_off {
-                flat(sole.tip) + toes * (sole.toe_joint - sole.tip)
-            } else {
-                flat(sole.toe_joint)
-            };
-            toe_joint + turn * (sole.ankle - sole.toe_joint)
-        };
-        Foot { ankle, turn, toes }
+        let ankle = self.placement - self.travel * (phase * self.period);
+        Footing { ankle, toe_out: self.toe_out, pitch, toes: self.toe_bend(phase, pitch) }.foot(&self.sole)
+    }
+
+    /// The ankle that swing is drawn after: as given, or straight from where it leaves to where it lands.
+    fn drawn(&self, phase: f64) -> DVec3 {
+        let path = self.swing.as_ref().map_or_else(
+            || {
+                let (from, to) = (self.planted(self.toe_off).ankle, self.planted(0.0).ankle);
+                from.lerp(to, ease(self.toe_off, 1.0, phase))
+            },
+            |swing| swing(phase),
+        );
+        self.bumps.iter().fold(path, |path, bump| path + bump.at(phase))
     }
 
     /// The ankle in swing: the drawn path, bent at both ends so that place and velocity (and some of the acceleration)
     /// meet the stance.
     fn swung(&self, phase: f64) -> DVec3 {
-        let drawn = |p: f64| self.bumps.iter().fold((self.swing)(p), |path, bump| path + bump.at(p));
         let [leave, land] = self.bends;
-        let left = Miss::between(|p| self.planted(p).ankle, drawn, self.toe_off);
-        let landed = Miss::between(|p| self.planted(p - 1.0).ankle, drawn, 1.0);
+        let left = Miss::between(|p| self.planted(p).ankle, |p| self.drawn(p), self.toe_off);
+        let landed = Miss::between(|p| self.planted(p - 1.0).ankle, |p| self.drawn(p), 1.0);
         let after = left.fading(leave, (phase - self.toe_off) / leave);
         let before = landed.backward().fading(land, (1.0 - phase) / land);
-        drawn(phase) + after + before
+        self.drawn(phase) + after + before
     }
 }
 
-/// Bend of the toes from `tip_off` on: it goes on from toes lying flat under a foot of this `pitch`, then through `knots`.
+/// Bend of the toes from `tip_off` on, through `knots`.
+///
+/// It goes on from toes lying flat under a foot of this `pitch`; a foot that lands on its ball gets flat toes at landing,
+/// one that lands on its heel must have a last knot where it comes to lie flat.
 #[must_use]
 pub fn toe_curve(pitch: &Spline, tip_off: f64, knots: &[(f64, f64)]) -> Spline {
     let step = 1e-4;
-    let slope = (pitch.at(tip_off - step) - pitch.at(tip_off + step)) / (2.0 * step);
-    let knots: Vec<(f64, f64)> = [(tip_off, -pitch.at(tip_off))].into_iter().chain(knots.iter().copied()).collect();
-    Spline::clamped(&knots, slope, 0.0)
+    let flat = |phase: f64| {
+        let value = (-pitch.at(phase)).max(0.0);
+        let slope = (pitch.at(phase - step) - pitch.at(phase + step)) / (2.0 * step);
+        (value, if value > 0.0 { slope } else { 0.0 })
+    };
+    let (first, first_slope) = flat(tip_off);
+    let (last, last_slope) = flat(1.0);
+    let mut all = vec![(tip_off, first)];
+    all.extend(knots);
+    if last > 0.0 {
+        all.push((1.0, last));
+    }
+    Spline::clamped(&all, first_slope, last_slope)
 }
 
 /// How far the stance is from the drawn swing at one phase: place, velocity and acceleration per phase.

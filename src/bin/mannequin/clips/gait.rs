@@ -53,10 +53,20 @@ impl Gait {
     /// The looping clip.
     #[must_use]
     pub fn clip(&self) -> Clip {
+        self.recorded(self.name, |phase| self.figure(phase))
+    }
+
+    /// The looping clip of the mirror image, again from the left foot's contact on.
+    #[must_use]
+    pub fn mirrored_clip(&self, name: &'static str) -> Clip {
+        self.recorded(name, |phase| self.figure(phase + 1.0 - self.right_phase).mirrored())
+    }
+
+    fn recorded(&self, name: &'static str, figure: impl Fn(f64) -> Figure) -> Clip {
         let stride = &self.strides[0];
-        let speed = stride.travel.length();
-        let timing = Timing { seconds: stride.period, rate: self.rate, ground_speed: Some(speed) };
-        record(self.name, timing, |time| Moment::from(self.figure(time / stride.period)))
+        let seconds = stride.period;
+        let timing = Timing { seconds, rate: self.rate, ground_speed: Some(stride.travel.length()) };
+        record(name, timing, |time| Moment::from(figure(time / seconds)))
     }
 }
 
@@ -68,6 +78,8 @@ pub struct SwingAngles {
     pub shank: Fourier,
     /// About the smallest bend of the knee, degrees.
     pub least_knee: f64,
+    /// Phase of toe-off, of the clip and of the curves: swing runs from there to the end in both.
+    pub toe_off: [f64; 2],
     /// Phase by which the curves run ahead at landing, so that the foot comes back toward the ground's own speed.
     pub early: f64,
     /// Ankle to the left of the midline, metres.
@@ -83,7 +95,9 @@ impl SwingAngles {
         move |phase| {
             let body = trunk(phase);
             let hip = hip_joint(body.hips, body.pelvis, 0);
-            let drawn = phase + self.early * ease(0.65, 1.0, phase);
+            let [own, theirs] = self.toe_off;
+            let same = 1.0 - (1.0 - phase) * (1.0 - theirs) / (1.0 - own);
+            let drawn = same + self.early * ease(0.65, 1.0, phase);
             let (thigh, shank) = (self.thigh.at(drawn), self.shank.at(drawn));
             let knee = thigh - shank;
             let excess = 0.5 * (knee - self.least_knee);

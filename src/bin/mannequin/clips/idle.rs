@@ -5,19 +5,18 @@
 use super::super::clip::Clip;
 use super::body::{Arm, Figure, turn};
 use super::curves::{ease, wave};
-use super::leg::{Foot, rest};
+use super::leg::{Footing, Sole, rest};
 use super::record::{Moment, Timing, record};
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 const SECONDS: f64 = 8.0;
 /// Two breaths in a loop.
 const BREATH: f64 = 4.0;
 const BLINKS: [f64; 3] = [1.7, 4.9, 5.25];
 
-/// A foot flat on the ground, its ankle at `x` (outward) and `z`.
-fn standing_foot(x: f64, z: f64, toe_out: f64) -> Foot {
-    let turn = DQuat::from_rotation_y(toe_out.to_radians());
-    Foot { ankle: DVec3::new(x, rest("leftFoot").y, z), turn, toes: turn }
+/// Where the feet stand, each as its left image.
+pub fn footings() -> [Footing; 2] {
+    [Footing::flat(0.100, 0.006, 9.0), Footing::flat(0.104, -0.030, 12.0)]
 }
 
 /// How full the chest is, 0..1: in, out, a short rest.
@@ -48,9 +47,11 @@ fn arm(time: f64, side: usize) -> Arm {
     }
 }
 
-fn figure(time: f64) -> Figure {
+/// The body at `time`.
+pub fn figure(time: f64) -> Figure {
     let phase = time / SECONDS;
     let full = breath(time);
+    let ([left, right], sole) = (footings(), Sole::left());
     let shift = ease(0.06, 0.27, phase) - ease(0.55, 0.78, phase);
     let weight = 2.0 * shift - 1.0;
     let sway_side = wave(phase, 2.0, 0.20, 0.0016) + wave(phase, 3.0, 0.71, 0.0011);
@@ -77,7 +78,7 @@ fn figure(time: f64) -> Figure {
         thorax,
         head,
         arms: [arm(time, 0), arm(time, 1)],
-        feet: [standing_foot(0.100, 0.006, 9.0), standing_foot(0.104, -0.030, 12.0).mirrored()],
+        feet: [left.foot(&sole), right.foot(&sole).mirrored()],
         knees_out: [7.0, 9.0],
     }
 }

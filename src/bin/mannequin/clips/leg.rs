@@ -46,6 +46,45 @@ impl Foot {
     }
 }
 
+/// A left foot on the ground: where it would stand flat, and how it is rolled from there. Angles in degrees.
+#[derive(Clone, Copy, Debug)]
+pub struct Footing {
+    /// Ankle of the flat foot, metres; lifted feet have it higher.
+    pub ankle: DVec3,
+    /// Toes outward +.
+    pub toe_out: f64,
+    /// Toes up +; the foot turns about its heel, or about the toe joint when negative.
+    pub pitch: f64,
+    /// Toes against the foot, up +. Toes that would point into the ground stand on their tip instead.
+    pub toes: f64,
+}
+
+impl Footing {
+    /// Flat at `x` (outward) and `z`.
+    #[must_use]
+    pub fn flat(x: f64, z: f64, toe_out: f64) -> Self {
+        Self { ankle: DVec3::new(x, rest("leftFoot").y, z), toe_out, pitch: 0.0, toes: 0.0 }
+    }
+
+    /// The foot so rolled.
+    #[must_use]
+    pub fn foot(&self, sole: &Sole) -> Foot {
+        let heading = DQuat::from_rotation_y(self.toe_out.to_radians());
+        let turn = heading * DQuat::from_rotation_x(-self.pitch.to_radians());
+        let toe_pitch = self.pitch + self.toes;
+        let toes = heading * DQuat::from_rotation_x(-toe_pitch.to_radians());
+        let flat = |point: DVec3| self.ankle + heading * (point - sole.ankle);
+        let ankle = if self.pitch > 0.0 {
+            flat(sole.heel) + turn * (sole.ankle - sole.heel)
+        } else if toe_pitch < 0.0 {
+            flat(sole.tip) + toes * (sole.toe_joint - sole.tip) + turn * (sole.ankle - sole.toe_joint)
+        } else {
+            flat(sole.toe_joint) + turn * (sole.ankle - sole.toe_joint)
+        };
+        Foot { ankle, turn, toes }
+    }
+}
+
 /// `p` seen in the plane x = 0.
 #[must_use]
 pub fn mirror_point(p: DVec3) -> DVec3 {

@@ -4,6 +4,7 @@
 //! backward at exactly the clip's speed.
 
 mod body;
+mod crouch;
 mod curves;
 mod foot_path;
 mod gait;
@@ -11,6 +12,8 @@ mod idle;
 mod leg;
 mod record;
 mod run;
+mod sidle;
+mod sprint;
 mod walk;
 
 use super::clip::Clip;
@@ -18,5 +21,15 @@ use super::clip::Clip;
 /// Every clip of the file.
 #[must_use]
 pub fn all() -> Vec<Clip> {
-    vec![idle::clip(), walk::gait().clip(), run::gait().clip()]
+    vec![
+        idle::clip(),
+        walk::gait().clip(),
+        run::gait().clip(),
+        sprint::gait().clip(),
+        crouch::idle(),
+        crouch::gait().clip(),
+        sidle::back().clip(),
+        sidle::left().clip(),
+        sidle::left().mirrored_clip("strafe_right"),
+    ]
 }

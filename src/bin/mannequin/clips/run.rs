@@ -13,13 +13,15 @@ use glam::DVec3;
 const PERIOD: f64 = 42.0 / 60.0;
 const SPEED: f64 = 3.5;
 
-const THIGH: Fourier = Fourier { mean: 10.6, cos: [29.0, -6.4, -2.5, 0.1, -0.3], sin: [-17.1, 7.6, 2.4, 0.3, 0.3] };
-const SHANK: Fourier = Fourier { mean: -40.6, cos: [39.2, 6.9, 2.2, 0.2, 0.0], sin: [9.9, -16.2, -0.2, -0.7, -0.5] };
-const PELVIS_HEIGHT: Fourier =
+pub const THIGH: Fourier = Fourier { mean: 10.6, cos: [29.0, -6.4, -2.5, 0.1, -0.3], sin: [-17.1, 7.6, 2.4, 0.3, 0.3] };
+pub const SHANK: Fourier =
+    Fourier { mean: -40.6, cos: [39.2, 6.9, 2.2, 0.2, 0.0], sin: [9.9, -16.2, -0.2, -0.7, -0.5] };
+pub const PELVIS_HEIGHT: Fourier =
     Fourier { mean: 0.0, cos: [0.0, 0.0134, 0.0, 0.0011, 0.0], sin: [0.0, -0.033, 0.0, 0.0009, 0.0] };
-const OBLIQUITY: Fourier = Fourier { mean: 0.0, cos: [3.1, 0.0, -1.7, 0.0, -0.1], sin: [3.5, 0.0, 0.7, 0.0, 0.7] };
-const SHOULDER: Fourier = Fourier { mean: 0.0, cos: [-12.6, -4.6, -0.3, -0.2, 0.1], sin: [9.1, 4.7, 0.0, -0.4, 0.2] };
-const ELBOW: Fourier = Fourier { mean: 0.0, cos: [-14.7, 5.8, -0.3, 0.2, 0.0], sin: [13.0, -8.8, 1.3, 0.5, -0.1] };
+pub const OBLIQUITY: Fourier = Fourier { mean: 0.0, cos: [3.1, 0.0, -1.7, 0.0, -0.1], sin: [3.5, 0.0, 0.7, 0.0, 0.7] };
+pub const SHOULDER: Fourier =
+    Fourier { mean: 0.0, cos: [-12.6, -4.6, -0.3, -0.2, 0.1], sin: [9.1, 4.7, 0.0, -0.4, 0.2] };
+pub const ELBOW: Fourier = Fourier { mean: 0.0, cos: [-14.7, 5.8, -0.3, 0.2, 0.0], sin: [13.0, -8.8, 1.3, 0.5, -0.1] };
 
 fn trunk(phase: f64) -> Trunk {
     let hips = DVec3::new(
@@ -75,7 +77,7 @@ fn stride() -> Stride {
     ];
     let pitch = Spline::clamped(&pitch, 0.0, 0.0);
     let tip_off = 0.29;
-    let toes = [(0.32, 38.0), (0.355, 36.0), (0.42, 18.0), (0.55, 6.0), (0.8, 6.0), (1.0, 5.0), (1.05, 0.0)];
+    let toes = [(0.32, 38.0), (0.355, 36.0), (0.42, 18.0), (0.55, 6.0), (0.8, 6.0), (1.0, 5.0), (1.06, 0.0)];
     Stride {
         period: PERIOD,
         travel: DVec3::Z * SPEED,
@@ -87,9 +89,10 @@ fn stride() -> Stride {
         pitch,
         bends: [0.35, 0.085],
         bumps: vec![Bump::new(0.80, 0.19, 0.03, 0.0)],
-        swing: Box::new(
-            SwingAngles { thigh: THIGH, shank: SHANK, least_knee: 32.0, early: 0.03, x: 0.040 }.below(trunk),
-        ),
+        swing: Some(Box::new(
+            SwingAngles { thigh: THIGH, shank: SHANK, least_knee: 32.0, toe_off: [0.355; 2], early: 0.03, x: 0.040 }
+                .below(trunk),
+        )),
         sole: Sole::left(),
     }
 }

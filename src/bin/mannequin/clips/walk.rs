@@ -45,7 +45,7 @@ fn arm(phase: f64, gain: f64) -> Arm {
     Arm {
         flex: swing - 5.0,
         abduct: 8.5 - 0.06 * swing,
-        inward: 12.0 + 0.25 * swing,
+        inward: 8.0 + 0.22 * swing,
         elbow: 24.0 + 0.9 * gain * ELBOW.at(phase - 0.01),
         pronate: 22.0 - 0.2 * swing,
         wrist: 6.0 + 0.35 * (swing - late) - 0.15 * late,
@@ -77,7 +77,7 @@ fn stride() -> Stride {
     ];
     let pitch = Spline::clamped(&pitch, 0.0, 0.0);
     let tip_off = 0.53;
-    let toes = [(0.56, 43.0), (0.59, 41.0), (0.66, 26.0), (0.78, 10.0), (0.9, 8.0), (1.0, 9.0), (1.08, 0.0)];
+    let toes = [(0.56, 43.0), (0.59, 41.0), (0.66, 26.0), (0.78, 10.0), (0.9, 8.0), (1.0, 9.0), (1.09, 0.0)];
     let toes = toe_curve(&pitch, tip_off, &toes);
     Stride {
         period: PERIOD,
@@ -90,16 +90,17 @@ fn stride() -> Stride {
         toes,
         bends: [0.3, 0.15],
         bumps: vec![Bump::new(0.79, 0.2, 0.05, 0.0), Bump::new(0.94, 0.06, 0.002, -0.03)],
-        swing: Box::new(
+        swing: Some(Box::new(
             SwingAngles {
                 thigh: THIGH.about(5.8, 1.0),
                 shank: SHANK.about(-17.0, 1.0),
                 least_knee: 23.0,
+                toe_off: [0.59; 2],
                 early: 0.0,
                 x: 0.046,
             }
             .below(trunk),
-        ),
+        )),
         sole: Sole::left(),
     }
 }
