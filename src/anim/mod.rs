@@ -1,6 +1,9 @@
 //! Layer 1: pure animation data and functions. No ECS, no handles, no time.
 
+pub mod bake;
 pub mod blend;
+pub mod clip;
+pub mod curve;
 pub mod ik;
 pub mod pose;
 pub mod skeleton;
