@@ -110,8 +110,18 @@ impl Clip {
     /// The frames around `time` seconds.
     #[must_use]
     pub fn span(&self, time: f32) -> FrameSpan {
+        self.held_span(self.wrap(time))
+    }
+
+    /// Time of `sample` of `count` even steps through `duration` seconds, both ends included.
+    pub(super) fn time_of(sample: usize, count: usize, duration: f32) -> f32 {
+        duration * sample as f32 / count.max(1) as f32
+    }
+
+    /// The frames around `time` seconds, held at the ends whether it loops or not.
+    fn held_span(&self, time: f32) -> FrameSpan {
         let last = self.frames.count.saturating_sub(1);
-        let position = self.wrap(time) * self.frames.rate;
+        let position = time.clamp(0.0, self.duration.max(0.0)) * self.frames.rate;
         let first = (position as usize).min(last);
         FrameSpan { first, second: (first + 1).min(last), blend: (position - first as f32).clamp(0.0, 1.0) }
     }
@@ -120,6 +130,15 @@ impl Clip {
     ///
     /// `skeleton` is the one the clip was baked for and `out` has one entry a joint.
     pub fn sample(&self, skeleton: &Skeleton, time: f32, out: &mut [JointTransform]) {
+        self.sample_span(skeleton, self.span(time), out);
+    }
+
+    /// As [`Clip::sample`], but the clip's duration is its last pose, not its first again.
+    pub(super) fn sample_held(&self, skeleton: &Skeleton, time: f32, out: &mut [JointTransform]) {
+        self.sample_span(skeleton, self.held_span(time), out);
+    }
+
+    fn sample_span(&self, skeleton: &Skeleton, span: FrameSpan, out: &mut [JointTransform]) {
         debug_assert_eq!(out.len(), skeleton.len(), "one transform a joint");
         out.copy_from_slice(skeleton.rest());
         let frames = &self.frames;
@@ -135,7 +154,6 @@ impl Clip {
         if frames.count == 0 {
             return;
         }
-        let span = self.span(time);
         let (mut a, mut b) = (frames.row(span.first), frames.row(span.second));
         for &joint in &frames.rotations {
             let (from, to) = (quat(take(&mut a, 4)), quat(take(&mut b, 4)));

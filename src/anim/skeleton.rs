@@ -3,7 +3,7 @@
 use bevy::math::{Affine3A, Quat, Vec3};
 
 /// Index of a joint in its [`Skeleton`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct JointIndex(pub u16);
 
 impl JointIndex {

@@ -40,12 +40,7 @@ impl Source<'_> {
     }
 
     /// Elements of `index` as whole numbers.
-    pub(super) fn whole(
-        &self,
-        index: usize,
-        shape: Type,
-        used_by: &dyn Fn() -> String,
-    ) -> Result<Vec<u32>, RigError> {
+    pub(super) fn whole(&self, index: usize, shape: Type, used_by: &dyn Fn() -> String) -> Result<Vec<u32>, RigError> {
         let dense = self.dense(index, shape, used_by)?;
         let number = |raw: &[u8]| match (dense.kind, raw) {
             (ComponentType::U8, &[a]) => Some(u32::from(a)),

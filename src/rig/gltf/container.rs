@@ -57,9 +57,8 @@ impl Container {
                 None => blob.take().ok_or_else(|| fail("it has no uri and the file has no binary chunk".to_owned()))?,
                 Some(uri) => match uri.strip_prefix("data:") {
                     Some(data) => {
-                        let (_, encoded) = data
-                            .split_once(";base64,")
-                            .ok_or_else(|| fail("its data URI is not base64".to_owned()))?;
+                        let (_, encoded) =
+                            data.split_once(";base64,").ok_or_else(|| fail("its data URI is not base64".to_owned()))?;
                         STANDARD.decode(encoded).map_err(|error| fail(format!("its data URI: {error}")))?
                     }
                     None => resolve(&percent_decoded(uri)).map_err(|error| fail(format!("`{uri}`: {error}")))?,
@@ -111,7 +110,11 @@ fn check_attributes(json: &Root) -> Result<(), RigError> {
             if let Some(accessor) = it.attributes.values().find(|index| index.value() >= json.accessors.len()) {
                 return Err(RigError::Element {
                     path: format!("meshes[{mesh}].primitives[{primitive}].attributes"),
-                    problem: format!("accessor {} does not exist; there are {}", accessor.value(), json.accessors.len()),
+                    problem: format!(
+                        "accessor {} does not exist; there are {}",
+                        accessor.value(),
+                        json.accessors.len()
+                    ),
                 });
             }
         }
@@ -125,7 +128,8 @@ fn is_harmless(extension: &str) -> bool {
 
 /// Required extensions are checked apart; bounds of positions are not needed here.
 fn is_tolerated(path: &str) -> bool {
-    path.starts_with("extensionsRequired") || (path.contains("POSITION") && (path.ends_with("min") || path.ends_with("max")))
+    path.starts_with("extensionsRequired")
+        || (path.contains("POSITION") && (path.ends_with("min") || path.ends_with("max")))
 }
 
 fn rule(error: &Rule) -> &'static str {

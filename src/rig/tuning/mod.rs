@@ -4,3 +4,4 @@ pub mod degrees;
 pub mod foot_ik;
 pub mod locomotion;
 pub mod motion;
+pub mod ranges;

@@ -1,0 +1,262 @@
+//! A character ready to play: model, clips, gaits and legs resolved, every name checked.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use bevy::{asset::AssetPath, prelude::*};
+
+use super::{
+    Rig,
+    character_file::{CharacterFile, ClipSource, Roles},
+    frame,
+    humanoid::{Humanoid, HumanoidError, HumanoidRole},
+    legs,
+    names::{listed, suggestion},
+};
+use crate::anim::{
+    clip::Clip,
+    gait::{Contact, Gait},
+    leg::Leg,
+    skeleton::{JointIndex, Skeleton},
+};
+
+/// A character's body, clips and tuning: what a `.character.ron` loads as.
+///
+/// Model space: metres, +Y up, it faces -Z, the origin on the ground between its feet. Pairs are `[left, right]`.
+#[derive(Asset, TypePath, Clone, Debug)]
+pub struct CharacterAsset {
+    /// The file, with defaults filled in.
+    pub file: CharacterFile,
+    /// The glTF file to draw: `load::<Gltf>(model)`.
+    pub model: AssetPath<'static>,
+    /// Skins, meshes and bounds. Its skeleton is [`CharacterAsset::skeleton`].
+    pub rig: Arc<Rig>,
+    /// The joints.
+    pub skeleton: Arc<Skeleton>,
+    /// Which joint plays which part.
+    pub humanoid: Humanoid,
+    /// The joint that carries the body.
+    pub hips: JointIndex,
+    /// Both legs.
+    pub legs: [Leg; 2],
+    /// Thigh and shin, the mean of both legs, metres.
+    pub leg_length: f32,
+    clips: Vec<CharacterClip>,
+}
+
+/// A clip as this character plays it.
+#[derive(Clone, Debug)]
+pub struct CharacterClip {
+    /// The name that states use.
+    pub name: String,
+    /// For the character's skeleton; speed and looping are as the character's file says.
+    pub clip: Arc<Clip>,
+    /// What its feet do.
+    pub gait: Gait,
+}
+
+/// Why files make no character.
+#[derive(thiserror::Error, Clone, Debug, PartialEq)]
+pub enum CharacterError {
+    /// The parts of the body aren't there.
+    #[error("`{model}`: {error}")]
+    Humanoid {
+        /// The glTF file.
+        model: String,
+        /// What is missing.
+        error: HumanoidError,
+    },
+    /// No such clip in a file.
+    #[error(
+        "`clips[\"{name}\"]` asks for the clip `{clip}` of `{file}`, which doesn't have it{suggestion}; clips: {clips}"
+    )]
+    UnknownClip {
+        /// The name it should get.
+        name: String,
+        /// What was asked for.
+        clip: String,
+        /// Where.
+        file: String,
+        /// The nearest name, if any.
+        suggestion: String,
+        /// What the file has.
+        clips: String,
+    },
+    /// A state plays a clip that isn't there.
+    #[error(
+        "`locomotion.states` has `{state}` play the clip `{clip}`, which doesn't exist{suggestion}; clips: {clips}"
+    )]
+    UnknownStateClip {
+        /// The state.
+        state: String,
+        /// The clip.
+        clip: String,
+        /// The nearest name, if any.
+        suggestion: String,
+        /// The clips there are.
+        clips: String,
+    },
+    /// A clip moves another body.
+    #[error("`clips[\"{name}\"]`: no joint that `{file}` moves has a partner in `{model}`; it moves {joints}")]
+    Foreign {
+        /// The clip's name here.
+        name: String,
+        /// Its file.
+        file: String,
+        /// The character's model.
+        model: String,
+        /// Joints the clip moves.
+        joints: String,
+    },
+}
+
+impl CharacterAsset {
+    /// Puts a character together. `model` is the rig of `file.model`, `others` those of the files its clips name.
+    ///
+    /// # Errors
+    /// When hips or legs aren't found, or a name names nothing.
+    pub fn resolve(
+        file: CharacterFile,
+        path: AssetPath<'static>,
+        mut model: Rig,
+        others: &BTreeMap<String, Rig>,
+    ) -> Result<Self, CharacterError> {
+        let spelt_out: Vec<(HumanoidRole, String)> = match &file.roles {
+            Roles::Auto => Vec::new(),
+            Roles::Explicit(roles) => roles.iter().map(|(role, joint)| (*role, joint.clone())).collect(),
+        };
+        let body_error = |error| CharacterError::Humanoid { model: file.model.clone(), error };
+        let humanoid = Humanoid::bind(&model.skeleton, &model.skin_joints(), &spelt_out).map_err(body_error)?;
+        let (model_from_root, _) = frame::model_from_root(&model.skeleton, &humanoid);
+        model.skeleton.model_from_root = Affine3A::from_scale(Vec3::splat(file.scale)) * model_from_root;
+        let legs = legs::legs(&model, &humanoid).map_err(body_error)?;
+        let hips = humanoid.get(HumanoidRole::Hips).unwrap_or_default();
+
+        let mut asset = Self {
+            model: path,
+            skeleton: Arc::new(model.skeleton.clone()),
+            rig: Arc::new(model),
+            hips,
+            legs,
+            leg_length: 0.5 * (legs[0].length() + legs[1].length()),
+            clips: Vec::new(),
+            humanoid,
+            file,
+        };
+        asset.clips = asset.resolve_clips(others)?;
+        asset.check_states()?;
+        Ok(asset)
+    }
+
+    /// The clip that states call `name`.
+    #[must_use]
+    pub fn clip(&self, name: &str) -> Option<&CharacterClip> {
+        self.clips.iter().find(|clip| clip.name == name)
+    }
+
+    /// All clips, by name.
+    #[must_use]
+    pub fn clips(&self) -> &[CharacterClip] {
+        &self.clips
+    }
+
+    /// Place of the clip `name` in [`CharacterAsset::clips`].
+    #[must_use]
+    pub fn clip_index(&self, name: &str) -> Option<usize> {
+        self.clips.iter().position(|clip| clip.name == name)
+    }
+
+    fn resolve_clips(&self, others: &BTreeMap<String, Rig>) -> Result<Vec<CharacterClip>, CharacterError> {
+        let mut sources: BTreeMap<&str, ClipSource> =
+            self.rig.clips.iter().map(|clip| (clip.name.as_str(), ClipSource::default())).collect();
+        sources.extend(self.file.clips.iter().map(|(name, source)| (name.as_str(), source.clone())));
+        sources.into_iter().map(|(name, source)| self.resolve_clip(name, &source, others)).collect()
+    }
+
+    fn resolve_clip(
+        &self,
+        name: &str,
+        source: &ClipSource,
+        others: &BTreeMap<String, Rig>,
+    ) -> Result<CharacterClip, CharacterError> {
+        let wanted = source.clip.as_deref().unwrap_or(name);
+        let other = source.file.as_ref().filter(|file| **file != self.file.model);
+        let rig = other.and_then(|file| others.get(file)).unwrap_or(&self.rig);
+        let file = other.unwrap_or(&self.file.model);
+        let names = || rig.clips.iter().map(|clip| clip.name.as_str());
+        let clip = rig.clip(wanted).ok_or_else(|| CharacterError::UnknownClip {
+            name: name.to_owned(),
+            clip: wanted.to_owned(),
+            file: file.clone(),
+            suggestion: suggestion(wanted, names()),
+            clips: listed(names()),
+        })?;
+        let mut clip = if other.is_some() { self.retarget(name, file, rig, clip)? } else { Clip::clone(clip) };
+        clip.speed = source.speed;
+        clip.looping = source.looping.unwrap_or(clip.looping);
+        let mut gait = Gait::analyze(&clip, &self.skeleton, &self.legs);
+        if let Some((left, right)) = &source.contacts {
+            gait.set_contacts([contacts(left), contacts(right)]);
+        }
+        if let Some(speed) = source.ground_speed {
+            gait.set_speed(speed, clip.duration);
+        }
+        Ok(CharacterClip { name: name.to_owned(), clip: Arc::new(clip), gait })
+    }
+
+    /// The clip of another file for this body: joints of the same name, else of the same role.
+    fn retarget(&self, name: &str, file: &str, rig: &Rig, clip: &Clip) -> Result<Clip, CharacterError> {
+        let own = self.rig.skin_joints();
+        let by_name = |joint: &JointIndex| {
+            let name = rig.skeleton.name(*joint);
+            let skinned = own.iter().copied().find(|&own| self.skeleton.name(own) == name);
+            skinned.or_else(|| self.skeleton.find(name)).map(|own| (*joint, own))
+        };
+        let mut pairs: Vec<(JointIndex, JointIndex)> =
+            rig.skeleton.joints().filter_map(|joint| by_name(&joint)).collect();
+        let mut length = 1.0;
+        let mut from = rig.skeleton.clone();
+        if let Ok(humanoid) = Humanoid::bind(&rig.skeleton, &rig.skin_joints(), &[]) {
+            for (role, joint) in humanoid.iter() {
+                if let Some(own) = self.humanoid.get(role) {
+                    pairs.retain(|pair| pair.0 != joint && pair.1 != own);
+                    pairs.push((joint, own));
+                }
+            }
+            from.model_from_root = frame::model_from_root(&rig.skeleton, &humanoid).0;
+            let rig = Rig { skeleton: from.clone(), ..rig.clone() };
+            if let Ok(legs) = legs::legs(&rig, &humanoid) {
+                length = 2.0 * self.leg_length / (legs[0].length() + legs[1].length());
+            }
+        }
+        if !clip.moving_joints().any(|joint| pairs.iter().any(|pair| pair.0 == joint)) && clip.duration > 0.0 {
+            return Err(CharacterError::Foreign {
+                name: name.to_owned(),
+                file: file.to_owned(),
+                model: self.file.model.clone(),
+                joints: listed(clip.moving_joints().map(|joint| rig.skeleton.name(joint))),
+            });
+        }
+        let movers: Vec<JointIndex> =
+            self.skeleton.joints().filter(|&joint| self.skeleton.is_below(self.hips, joint)).collect();
+        Ok(clip.retargeted(&from, &self.skeleton, &pairs, &movers, length))
+    }
+
+    fn check_states(&self) -> Result<(), CharacterError> {
+        let names = || self.clips.iter().map(|clip| clip.name.as_str());
+        match self.file.locomotion.states.iter().find(|state| self.clip(&state.clip).is_none()) {
+            None => Ok(()),
+            Some(state) => Err(CharacterError::UnknownStateClip {
+                state: state.name.clone(),
+                clip: state.clip.clone(),
+                suggestion: suggestion(&state.clip, names()),
+                clips: listed(names()),
+            }),
+        }
+    }
+}
+
+/// Stances as written: a lift-off before its landing is over the loop's end.
+fn contacts(written: &[(f32, f32)]) -> Vec<Contact> {
+    let contact = |&(start, end): &(f32, f32)| Contact { start, end: if end > start { end } else { end + 1.0 } };
+    written.iter().map(contact).collect()
+}

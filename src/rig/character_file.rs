@@ -1,0 +1,156 @@
+//! `*.character.ron`: which model a character has, which clips it plays, and all of its tuning.
+
+use std::collections::BTreeMap;
+
+use bevy::reflect::Reflect;
+use ron::{Options, error::SpannedError, extensions::Extensions};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    humanoid::HumanoidRole,
+    names::suggestion,
+    tuning::{
+        foot_ik::FootIkConfig,
+        locomotion::LocomotionConfig,
+        motion::MotionConfig,
+        ranges::{RangeError, Ranges},
+    },
+};
+
+/// A character, as its file says it. Every field may be left out.
+#[derive(Reflect, Clone, Debug, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CharacterFile {
+    /// The glTF file of body and clips, beside this file. Default "mannequin.glb".
+    pub model: String,
+    /// Size as a factor. Default 1. Lengths of foot placement follow it; speeds of motion don't.
+    pub scale: f32,
+    /// Which joint plays which part. Default `Auto`.
+    pub roles: Roles,
+    /// Clips by the names that states use. Every clip of the model is there under its own name; entries here add to
+    /// them or change them. Default none.
+    pub clips: BTreeMap<String, ClipSource>,
+    /// How the controller moves the character.
+    pub motion: MotionConfig,
+    /// Which clips play when.
+    pub locomotion: LocomotionConfig,
+    /// How feet find the ground.
+    pub foot_ik: FootIkConfig,
+}
+
+impl Default for CharacterFile {
+    fn default() -> Self {
+        Self {
+            model: "mannequin.glb".to_owned(),
+            scale: 1.0,
+            roles: Roles::Auto,
+            clips: BTreeMap::new(),
+            motion: MotionConfig::default(),
+            locomotion: LocomotionConfig::default(),
+            foot_ik: FootIkConfig::default(),
+        }
+    }
+}
+
+/// Which joint plays which part.
+#[derive(Reflect, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub enum Roles {
+    /// By the names that VRM, Mixamo, Unity, Unreal, Blender and Rigify give. The default.
+    #[default]
+    Auto,
+    /// As listed, role to joint; roles not listed go by name.
+    Explicit(BTreeMap<HumanoidRole, String>),
+}
+
+/// Where a clip comes from and how it plays.
+#[derive(Reflect, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ClipSource {
+    /// A glTF file beside this one. Default: the model.
+    ///
+    /// Joints of another file take part by name, else by role; lengths follow the legs.
+    pub file: Option<String>,
+    /// The clip's name in that file. Default: the name it gets here.
+    pub clip: Option<String>,
+    /// Playback speed as a factor. Default 1.
+    pub speed: f32,
+    /// Whether it starts again at its end. Default: when its last pose is its first.
+    pub looping: Option<bool>,
+    /// Speed over ground in m/s at which its feet don't slide, at playback speed 1. Default: found from the feet.
+    pub ground_speed: Option<f32>,
+    /// Stances of the left and of the right foot: landing and lift-off as shares 0..1 of the clip's duration; a lift-off
+    /// before its landing is over the loop's end. Default: found from the feet.
+    pub contacts: Option<(Vec<(f32, f32)>, Vec<(f32, f32)>)>,
+}
+
+impl Default for ClipSource {
+    fn default() -> Self {
+        Self { file: None, clip: None, speed: 1.0, looping: None, ground_speed: None, contacts: None }
+    }
+}
+
+/// Why the text is no character.
+#[derive(thiserror::Error, Clone, Debug, PartialEq)]
+pub enum CharacterFileError {
+    /// It is not the RON that is wanted.
+    #[error("line {line}, column {column}: {problem}{suggestion}")]
+    Ron {
+        /// Line of the file, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What is wrong.
+        problem: String,
+        /// The nearest name, if any.
+        suggestion: String,
+    },
+    /// A value is out of range.
+    #[error(transparent)]
+    Range(#[from] RangeError),
+}
+
+impl CharacterFile {
+    /// Reads the text of a `.character.ron` and checks every range.
+    ///
+    /// # Errors
+    /// When it is no RON, has unknown fields or values out of range.
+    pub fn parse(text: &str) -> Result<Self, CharacterFileError> {
+        let options = Options::default().with_default_extension(Extensions::IMPLICIT_SOME);
+        let file: Self = options.from_str(text).map_err(|error| ron_error(&error))?;
+        file.validate()?;
+        Ok(file)
+    }
+
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// With the first value that is out of its range: its field, itself and what would be right.
+    pub fn validate(&self) -> Result<(), RangeError> {
+        let mut ranges = Ranges::new("");
+        ranges.within("scale", self.scale, 0.01..=100.0, "")?;
+        for (name, clip) in &self.clips {
+            let mut ranges = Ranges::new(&format!("clips[\"{name}\"]."));
+            ranges.within("speed", clip.speed, 0.01..=100.0, "")?;
+            if let Some(speed) = clip.ground_speed {
+                ranges.within("ground_speed", speed, 0.0..=100.0, " m/s")?;
+            }
+            for (start, end) in clip.contacts.iter().flat_map(|contacts| contacts.0.iter().chain(&contacts.1)) {
+                ranges.within("contacts", *start, 0.0..=1.0, "")?;
+                ranges.within("contacts", *end, 0.0..=1.0, "")?;
+            }
+        }
+        self.motion.check(&mut Ranges::new("motion."))?;
+        self.locomotion.check(&mut Ranges::new("locomotion."))?;
+        self.foot_ik.check(&mut Ranges::new("foot_ik."))
+    }
+}
+
+fn ron_error(error: &SpannedError) -> CharacterFileError {
+    let suggestion = match &error.code {
+        ron::Error::NoSuchStructField { expected, found, .. } => suggestion(found, expected.iter().copied()),
+        ron::Error::NoSuchEnumVariant { expected, found, .. } => suggestion(found, expected.iter().copied()),
+        _ => String::new(),
+    };
+    let start = error.span.start;
+    CharacterFileError::Ron { line: start.line, column: start.col, problem: error.code.to_string(), suggestion }
+}

@@ -1,0 +1,54 @@
+//! glTF bytes → [`Rig`]: skeleton, skins, clips and what vertices say about joints.
+//!
+//! The file's space stays: `Skeleton::model_from_root` leads from it to model space.
+
+mod accessor;
+mod clips;
+pub(crate) mod container;
+pub mod error;
+mod influences;
+mod meshes;
+mod nodes;
+mod skins;
+
+use std::sync::Arc;
+
+use self::{accessor::Source, container::Container, error::RigError};
+use super::{Rig, frame, humanoid::Humanoid};
+use crate::anim::skeleton::JointIndex;
+
+impl Rig {
+    /// Reads `.glb` or `.gltf` bytes; `resolve` gives the bytes behind the path of a buffer in another file.
+    ///
+    /// # Errors
+    /// When the file breaks the format's rules; the error names the element.
+    pub fn from_slice(
+        bytes: &[u8],
+        mut resolve: impl FnMut(&str) -> Result<Vec<u8>, String>,
+    ) -> Result<Self, RigError> {
+        Self::from_container(Container::parse(bytes)?, &mut resolve)
+    }
+
+    pub(crate) fn from_container(
+        mut container: Container,
+        resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>,
+    ) -> Result<Self, RigError> {
+        let buffers = container.buffers(resolve)?;
+        let source = Source { json: &container.json, buffers: &buffers };
+        let nodes = nodes::read(&container.json, frame::gltf_default())?;
+        let mut skins = skins::read(&source, &nodes)?;
+        let mut notes = Vec::new();
+        let (meshes, vertices) = meshes::read(&source, &nodes, &mut skins, &mut notes)?;
+        let curves = clips::read(&source, &nodes)?;
+        let mut skeleton = nodes.skeleton;
+        let skin_joints: Vec<JointIndex> = skins.iter().flat_map(|skin| &skin.joints).copied().collect();
+        // A file that is no humanoid keeps glTF's own axes.
+        if let Ok(humanoid) = Humanoid::bind(&skeleton, &skin_joints, &[]) {
+            let (model_from_root, note) = frame::model_from_root(&skeleton, &humanoid);
+            skeleton.model_from_root = model_from_root;
+            notes.extend(note);
+        }
+        let clips = curves.iter().map(|curves| Arc::new(curves.bake(&skeleton))).collect();
+        Ok(Self { skeleton, skins, meshes, clips, joint_bounds: vertices.bounds, dominated: vertices.dominated, notes })
+    }
+}

@@ -1,0 +1,217 @@
+//! Range checks of tuning: each names the field, the value and what would be right.
+
+use core::ops::RangeInclusive;
+
+use bevy::reflect::{PartialReflect, ReflectRef};
+
+use super::{
+    foot_ik::FootIkConfig,
+    locomotion::{Condition, LocomotionConfig, Pace, StateConfig},
+    motion::MotionConfig,
+};
+use crate::rig::names::{listed, suggestion};
+
+/// A value out of its range.
+#[derive(thiserror::Error, Clone, Debug, PartialEq)]
+#[error("`{field}` is {value}; valid is {valid}")]
+pub struct RangeError {
+    /// Path of the field in the file.
+    pub field: String,
+    /// What it has.
+    pub value: String,
+    /// What it may have.
+    pub valid: String,
+}
+
+/// Checks fields of one part of a file.
+pub struct Ranges {
+    prefix: String,
+}
+
+impl Ranges {
+    /// Checks whose messages put `prefix` before field names.
+    #[must_use]
+    pub fn new(prefix: &str) -> Self {
+        Self { prefix: prefix.to_owned() }
+    }
+
+    /// Whether `value` is a number in `range`; `unit` goes into the message.
+    ///
+    /// # Errors
+    /// When it isn't.
+    pub fn within(&self, field: &str, value: f32, range: RangeInclusive<f32>, unit: &str) -> Result<(), RangeError> {
+        if range.contains(&value) {
+            return Ok(());
+        }
+        let valid = format!("{} to {}{unit}", range.start(), range.end());
+        Err(self.fail(field, format!("{value}{unit}"), valid))
+    }
+
+    /// As [`Ranges::within`] for an angle kept in radians, with range and message in degrees.
+    ///
+    /// # Errors
+    /// When it isn't within.
+    pub fn degrees(&self, field: &str, radians: f32, range: RangeInclusive<f32>) -> Result<(), RangeError> {
+        // Degrees that went to radians and back are off by rounding.
+        let degrees = (radians.to_degrees() * 1000.0).round() / 1000.0;
+        self.within(field, degrees, range, "°")
+    }
+
+    /// Whether `pair` is ordered and within `range`.
+    ///
+    /// # Errors
+    /// When it isn't.
+    pub fn ordered(&self, field: &str, pair: (f32, f32), range: RangeInclusive<f32>) -> Result<(), RangeError> {
+        if range.contains(&pair.0) && range.contains(&pair.1) && pair.0 <= pair.1 {
+            return Ok(());
+        }
+        let valid = format!("a smaller and a larger number from {} to {}", range.start(), range.end());
+        Err(self.fail(field, format!("({}, {})", pair.0, pair.1), valid))
+    }
+
+    /// An error about `field`.
+    #[must_use]
+    pub fn fail(&self, field: &str, value: String, valid: String) -> RangeError {
+        RangeError { field: format!("{}{field}", self.prefix), value, valid }
+    }
+
+    /// Whether every number anywhere in `value` is finite.
+    ///
+    /// # Errors
+    /// With the first that isn't.
+    pub fn finite(&self, value: &dyn PartialReflect) -> Result<(), RangeError> {
+        self.finite_below("", value)
+    }
+
+    fn finite_below(&self, path: &str, value: &dyn PartialReflect) -> Result<(), RangeError> {
+        if let Some(number) = value.try_downcast_ref::<f32>() {
+            let valid = || "a finite number".to_owned();
+            return if number.is_finite() { Ok(()) } else { Err(self.fail(path, number.to_string(), valid())) };
+        }
+        let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+        match value.reflect_ref() {
+            ReflectRef::Struct(fields) => {
+                (0..fields.field_len()).try_for_each(|index| match (fields.name_at(index), fields.field_at(index)) {
+                    (Some(name), Some(field)) => self.finite_below(&below(name), field),
+                    _ => Ok(()),
+                })
+            }
+            ReflectRef::Tuple(fields) => (0..fields.field_len()).try_for_each(|index| match fields.field(index) {
+                Some(field) => self.finite_below(&below(&index.to_string()), field),
+                None => Ok(()),
+            }),
+            ReflectRef::List(items) => items
+                .iter()
+                .enumerate()
+                .try_for_each(|(index, item)| self.finite_below(&format!("{path}[{index}]"), item)),
+            ReflectRef::Enum(variant) => (0..variant.field_len()).try_for_each(|index| match variant.field_at(index) {
+                Some(field) => self.finite_below(path, field),
+                None => Ok(()),
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl MotionConfig {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// With the first value out of range.
+    pub fn check(&self, ranges: &mut Ranges) -> Result<(), RangeError> {
+        ranges.finite(self)?;
+        ranges.within("walk_speed", self.walk_speed, 0.0..=50.0, " m/s")?;
+        ranges.within("run_speed", self.run_speed, 0.0..=50.0, " m/s")
+    }
+}
+
+impl LocomotionConfig {
+    /// Checks every range and that transitions lead to states that exist.
+    ///
+    /// # Errors
+    /// With the first value out of range.
+    pub fn check(&self, ranges: &mut Ranges) -> Result<(), RangeError> {
+        ranges.finite(self)?;
+        ranges.ordered("rate_range", self.rate_range, 0.05..=10.0)?;
+        ranges.ordered("stride_range", self.stride_range, 0.05..=10.0)?;
+        let names = || self.states.iter().map(|state| state.name.as_str());
+        let known = |field: String, name: &str| {
+            if names().any(|state| state == name) {
+                return Ok(());
+            }
+            let valid = format!("one of {}{}", listed(names()), suggestion(name, names()));
+            Err(ranges.fail(&field, format!("`{name}`"), valid))
+        };
+        if self.states.is_empty() {
+            return Err(ranges.fail("states", "empty".to_owned(), "at least one state".to_owned()));
+        }
+        for (index, state) in self.states.iter().enumerate() {
+            if self.states[..index].iter().any(|earlier| earlier.name == state.name) {
+                let field = format!("states[{index}].name");
+                return Err(ranges.fail(&field, format!("`{}`", state.name), "a name of its own".to_owned()));
+            }
+            if let StateConfig { pace: Pace::Gait { start_phase }, .. } = state {
+                ranges.within(&format!("states[{index}].pace.start_phase"), *start_phase, 0.0..=1.0, "")?;
+            }
+        }
+        for (index, transition) in self.transitions.iter().enumerate() {
+            known(format!("transitions[{index}].to"), &transition.to)?;
+            for from in &transition.from {
+                known(format!("transitions[{index}].from"), from)?;
+            }
+            ranges.within(&format!("transitions[{index}].fade"), transition.fade, 0.0..=10.0, " s")?;
+            check_condition(ranges, &format!("transitions[{index}].when"), &transition.when)?;
+        }
+        Ok(())
+    }
+}
+
+fn check_condition(ranges: &Ranges, field: &str, condition: &Condition) -> Result<(), RangeError> {
+    match condition {
+        Condition::SpeedAbove(speed) | Condition::SpeedBelow(speed) | Condition::FallingFaster(speed) => {
+            ranges.within(field, *speed, 0.0..=100.0, " m/s")
+        }
+        Condition::AirborneFor(time) | Condition::InStateFor(time) => ranges.within(field, *time, 0.0..=3600.0, " s"),
+        Condition::All(conditions) => {
+            conditions.iter().try_for_each(|condition| check_condition(ranges, field, condition))
+        }
+        _ => Ok(()),
+    }
+}
+
+impl FootIkConfig {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// With the first value out of range.
+    pub fn check(&self, ranges: &mut Ranges) -> Result<(), RangeError> {
+        ranges.finite(self)?;
+        for (field, value) in [
+            ("probe_up", self.probe_up),
+            ("probe_down", self.probe_down),
+            ("unplant_radius", self.unplant_radius),
+            ("restep_distance", self.restep_distance),
+            ("step_height", self.step_height),
+            ("clearance", self.clearance),
+            ("landing_shift", self.landing_shift),
+            ("pelvis_drop", self.pelvis_drop),
+        ] {
+            ranges.within(field, value, 0.0..=5.0, " m")?;
+        }
+        for (field, value) in [
+            ("release_half_life", self.release_half_life),
+            ("pelvis_half_life", self.pelvis_half_life),
+            ("align_half_life", self.align_half_life),
+            ("air_half_life", self.air_half_life),
+        ] {
+            ranges.within(field, value, 0.0..=5.0, " s")?;
+        }
+        ranges.within("step_time", self.step_time, 0.02..=5.0, " s")?;
+        ranges.degrees("walkable", self.walkable, 0.0..=90.0)?;
+        ranges.degrees("unplant_yaw", self.unplant_yaw, 0.0..=180.0)?;
+        ranges.degrees("pitch_limit", self.pitch_limit, 0.0..=90.0)?;
+        ranges.degrees("roll_limit", self.roll_limit, 0.0..=90.0)?;
+        ranges.within("pelvis_extension", self.pelvis_extension, 0.5..=1.0, "")?;
+        ranges.ordered("extension", self.extension, 0.5..=1.0)
+    }
+}
