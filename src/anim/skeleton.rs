@@ -53,7 +53,7 @@ pub struct Skeleton {
 }
 
 /// Why a list of joints is no skeleton.
-#[derive(thiserror::Error, Debug, PartialEq, Eq)]
+#[derive(thiserror::Error, Clone, Debug, PartialEq, Eq)]
 pub enum SkeletonError {
     /// More joints than a [`JointIndex`] can count.
     #[error("{0} joints; at most 65535 are possible")]

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use bevy::{asset::AssetPath, prelude::*};
+use bevy::{asset::AssetPath, math::Affine3A, prelude::*};
 
 use super::{
     Rig,
@@ -63,12 +63,10 @@ pub enum CharacterError {
         /// The glTF file.
         model: String,
         /// What is missing.
-        error: HumanoidError,
+        error: Box<HumanoidError>,
     },
     /// No such clip in a file.
-    #[error(
-        "`clips[\"{name}\"]` asks for the clip `{clip}` of `{file}`, which doesn't have it{suggestion}; clips: {clips}"
-    )]
+    #[error("`clips[\"{name}\"]` asks for the clip `{clip}` of `{file}`, which doesn't have it{instead}")]
     UnknownClip {
         /// The name it should get.
         name: String,
@@ -76,24 +74,18 @@ pub enum CharacterError {
         clip: String,
         /// Where.
         file: String,
-        /// The nearest name, if any.
-        suggestion: String,
-        /// What the file has.
-        clips: String,
+        /// The nearest name, and all that the file has.
+        instead: String,
     },
     /// A state plays a clip that isn't there.
-    #[error(
-        "`locomotion.states` has `{state}` play the clip `{clip}`, which doesn't exist{suggestion}; clips: {clips}"
-    )]
+    #[error("`locomotion.states` has `{state}` play the clip `{clip}`, which doesn't exist{instead}")]
     UnknownStateClip {
         /// The state.
         state: String,
         /// The clip.
         clip: String,
-        /// The nearest name, if any.
-        suggestion: String,
-        /// The clips there are.
-        clips: String,
+        /// The nearest name, and all there are.
+        instead: String,
     },
     /// A clip moves another body.
     #[error("`clips[\"{name}\"]`: no joint that `{file}` moves has a partner in `{model}`; it moves {joints}")]
@@ -124,7 +116,7 @@ impl CharacterAsset {
             Roles::Auto => Vec::new(),
             Roles::Explicit(roles) => roles.iter().map(|(role, joint)| (*role, joint.clone())).collect(),
         };
-        let body_error = |error| CharacterError::Humanoid { model: file.model.clone(), error };
+        let body_error = |error| CharacterError::Humanoid { model: file.model.clone(), error: Box::new(error) };
         let humanoid = Humanoid::bind(&model.skeleton, &model.skin_joints(), &spelt_out).map_err(body_error)?;
         let (model_from_root, _) = frame::model_from_root(&model.skeleton, &humanoid);
         model.skeleton.model_from_root = Affine3A::from_scale(Vec3::splat(file.scale)) * model_from_root;
@@ -187,8 +179,7 @@ impl CharacterAsset {
             name: name.to_owned(),
             clip: wanted.to_owned(),
             file: file.clone(),
-            suggestion: suggestion(wanted, names()),
-            clips: listed(names()),
+            instead: format!("{}; clips: {}", suggestion(wanted, names()), listed(names())),
         })?;
         let mut clip = if other.is_some() { self.retarget(name, file, rig, clip)? } else { Clip::clone(clip) };
         clip.speed = source.speed;
@@ -248,8 +239,7 @@ impl CharacterAsset {
             Some(state) => Err(CharacterError::UnknownStateClip {
                 state: state.name.clone(),
                 clip: state.clip.clone(),
-                suggestion: suggestion(&state.clip, names()),
-                clips: listed(names()),
+                instead: format!("{}; clips: {}", suggestion(&state.clip, names()), listed(names())),
             }),
         }
     }

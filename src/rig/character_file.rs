@@ -126,10 +126,10 @@ impl CharacterFile {
     /// # Errors
     /// With the first value that is out of its range: its field, itself and what would be right.
     pub fn validate(&self) -> Result<(), RangeError> {
-        let mut ranges = Ranges::new("");
+        let ranges = Ranges::new("");
         ranges.within("scale", self.scale, 0.01..=100.0, "")?;
         for (name, clip) in &self.clips {
-            let mut ranges = Ranges::new(&format!("clips[\"{name}\"]."));
+            let ranges = Ranges::new(&format!("clips[\"{name}\"]."));
             ranges.within("speed", clip.speed, 0.01..=100.0, "")?;
             if let Some(speed) = clip.ground_speed {
                 ranges.within("ground_speed", speed, 0.0..=100.0, " m/s")?;
@@ -139,16 +139,16 @@ impl CharacterFile {
                 ranges.within("contacts", *end, 0.0..=1.0, "")?;
             }
         }
-        self.motion.check(&mut Ranges::new("motion."))?;
-        self.locomotion.check(&mut Ranges::new("locomotion."))?;
-        self.foot_ik.check(&mut Ranges::new("foot_ik."))
+        self.motion.check(&Ranges::new("motion."))?;
+        self.locomotion.check(&Ranges::new("locomotion."))?;
+        self.foot_ik.check(&Ranges::new("foot_ik."))
     }
 }
 
 fn ron_error(error: &SpannedError) -> CharacterFileError {
     let suggestion = match &error.code {
-        ron::Error::NoSuchStructField { expected, found, .. } => suggestion(found, expected.iter().copied()),
-        ron::Error::NoSuchEnumVariant { expected, found, .. } => suggestion(found, expected.iter().copied()),
+        ron::Error::NoSuchStructField { expected, found, .. }
+        | ron::Error::NoSuchEnumVariant { expected, found, .. } => suggestion(found, expected.iter().copied()),
         _ => String::new(),
     };
     let start = error.span.start;

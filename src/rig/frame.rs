@@ -24,7 +24,8 @@ pub fn gltf_default() -> Affine3A {
 /// The second value tells what is odd about the file, if anything.
 #[must_use]
 pub fn model_from_root(skeleton: &Skeleton, humanoid: &Humanoid) -> (Affine3A, Option<String>) {
-    let in_file = Skeleton { model_from_root: Affine3A::IDENTITY, ..skeleton.clone() };
+    let mut in_file = skeleton.clone();
+    in_file.model_from_root = Affine3A::IDENTITY;
     let rest = Pose::rest(&in_file);
     let at = |role: Role| humanoid.get(role).map(|joint| rest.position(joint));
     let pair = |left: Role, right: Role| at(left).zip(at(right));
@@ -56,16 +57,16 @@ pub fn model_from_root(skeleton: &Skeleton, humanoid: &Humanoid) -> (Affine3A, O
     let knee = at(Role::LeftLowerLeg).unwrap_or(hips);
     let leg = left_hip.distance(knee) + knee.distance(left_foot);
     let unit = if leg > LEG_LENGTHS.1 {
-        0.01
+        Some(0.01)
     } else if leg > 0.0 && leg < LEG_LENGTHS.0 {
-        100.0
+        Some(100.0)
     } else {
-        1.0
+        None
     };
-    if unit != 1.0 {
+    if let Some(unit) = unit {
         note.get_or_insert_with(|| format!("legs of {leg} m: lengths are taken times {unit}"));
     }
-    (Affine3A::from_mat3(model_from_file * unit), note)
+    (Affine3A::from_mat3(model_from_file * unit.unwrap_or(1.0)), note)
 }
 
 /// The axis of the file nearest to `direction` if it is near.

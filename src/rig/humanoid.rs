@@ -212,7 +212,7 @@ impl Humanoid {
     fn bind_trunk(&mut self, skeleton: &Skeleton, names: &[(JointIndex, JointName)]) {
         let middle = |aliases: &[&str]| {
             let named = |alias: &&str| names.iter().find(|(_, name)| name.side.is_none() && name.key == **alias);
-            aliases.iter().find_map(|alias| named(alias)).map(|(joint, _)| *joint)
+            aliases.iter().find_map(named).map(|(joint, _)| *joint)
         };
         if let (None, Some(left), Some(right)) =
             (self.get(Role::Hips), self.get(Role::LeftUpperLeg), self.get(Role::RightUpperLeg))

@@ -14,7 +14,7 @@ pub(super) struct JointName {
     pub(super) key: String,
 }
 
-/// Words that tools put before or around a joint's own name.
+/// Words that tools put before a joint's own name.
 const FILLERS: [&str; 20] = [
     "mixamorig",
     "bip",
@@ -54,7 +54,7 @@ impl JointName {
             let number = word.bytes().all(|byte| byte.is_ascii_digit());
             if let (Some(found), None) = (word_side, side) {
                 side = Some(found);
-            } else if FILLERS.contains(&word.as_str()) {
+            } else if words.is_empty() && FILLERS.contains(&word.as_str()) {
                 after_filler = true;
                 continue;
             } else if number && after_filler && words.is_empty() {
@@ -145,7 +145,7 @@ mod tests {
             ("leftUpperLeg", Some(Side::Left), "upperleg"),
             ("mixamorig:LeftUpLeg", Some(Side::Left), "upleg"),
             ("mixamorig1:RightToeBase", Some(Side::Right), "toebase"),
-            ("mixamorigHips", None, "mixamorighips"),
+            ("mixamorigHips", None, "hips"),
             ("mixamorig_Hips", None, "hips"),
             ("thigh_l", Some(Side::Left), "thigh"),
             ("spine_01", None, "spine1"),

@@ -1,3 +1,6 @@
 //! All integration tests in one binary, since each one links for seconds.
 
+mod character_file;
+mod gltf_file;
 mod layers;
+mod rig;

@@ -135,7 +135,7 @@ impl Place<'_> {
     }
 
     pub(super) fn accessor(&self, semantic: Semantic) -> Option<usize> {
-        self.primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value())
+        self.primitive.attributes.get(&Checked::Valid(semantic)).map(gltf::json::Index::value)
     }
 
     pub(super) fn floats<const WIDTH: usize>(

@@ -22,7 +22,7 @@ pub(super) fn name(json: &Root, node: usize) -> String {
 pub(super) fn read(json: &Root, model_from_root: Affine3A) -> Result<Nodes, RigError> {
     let parents = parents(json)?;
     let mut kept = vec![false; json.nodes.len()];
-    let skinned = json.skins.iter().flat_map(|skin| &skin.joints).map(|joint| joint.value());
+    let skinned = json.skins.iter().flat_map(|skin| &skin.joints).map(gltf::json::Index::value);
     let channels = json.animations.iter().flat_map(|clip| &clip.channels);
     let animated = channels.map(|channel| channel.target.node.value());
     let meshes = json.nodes.iter().enumerate().filter(|(_, node)| node.mesh.is_some()).map(|(index, _)| index);
@@ -62,7 +62,7 @@ pub(super) fn read(json: &Root, model_from_root: Affine3A) -> Result<Nodes, RigE
 }
 
 fn children(node: &Node) -> impl DoubleEndedIterator<Item = usize> + '_ {
-    node.children.iter().flatten().map(|child| child.value())
+    node.children.iter().flatten().map(gltf::json::Index::value)
 }
 
 /// Each node's parent; refuses two parents and circles.

@@ -118,7 +118,7 @@ impl MotionConfig {
     ///
     /// # Errors
     /// With the first value out of range.
-    pub fn check(&self, ranges: &mut Ranges) -> Result<(), RangeError> {
+    pub fn check(&self, ranges: &Ranges) -> Result<(), RangeError> {
         ranges.finite(self)?;
         ranges.within("walk_speed", self.walk_speed, 0.0..=50.0, " m/s")?;
         ranges.within("run_speed", self.run_speed, 0.0..=50.0, " m/s")
@@ -130,7 +130,7 @@ impl LocomotionConfig {
     ///
     /// # Errors
     /// With the first value out of range.
-    pub fn check(&self, ranges: &mut Ranges) -> Result<(), RangeError> {
+    pub fn check(&self, ranges: &Ranges) -> Result<(), RangeError> {
         ranges.finite(self)?;
         ranges.ordered("rate_range", self.rate_range, 0.05..=10.0)?;
         ranges.ordered("stride_range", self.stride_range, 0.05..=10.0)?;
@@ -184,7 +184,7 @@ impl FootIkConfig {
     ///
     /// # Errors
     /// With the first value out of range.
-    pub fn check(&self, ranges: &mut Ranges) -> Result<(), RangeError> {
+    pub fn check(&self, ranges: &Ranges) -> Result<(), RangeError> {
         ranges.finite(self)?;
         for (field, value) in [
             ("probe_up", self.probe_up),

@@ -1,6 +1,6 @@
 //! Exact curves → [`Clip`]: uniform frames at the lowest rate that is true enough, constant channels taken out.
 
-use bevy::math::{Quat, Vec3};
+use bevy::math::{Quat, Vec3, Vec3A};
 
 use super::{
     clip::{Clip, ClipReport, Frames},
@@ -123,7 +123,7 @@ impl ClipCurves {
             let rest = skeleton.rest()[curves.joint.index()];
             if let Some(curve) = &curves.rotation {
                 let samples = same_side(times.iter().map(|&time| curve.sample(time)));
-                match constant(&samples, |a, b| distance(a, b)) {
+                match constant(&samples, distance) {
                     Some(value) if distance(value, rest.rotation) <= STILL => {}
                     Some(value) => frames.still_rotations.push((curves.joint, value)),
                     None => {
@@ -145,7 +145,7 @@ impl ClipCurves {
                     Some(value) => still.push((curves.joint, value)),
                     None => {
                         moving.push(curves.joint);
-                        tracks.push((kind, samples.iter().flat_map(|v| v.to_array()).collect(), 3));
+                        tracks.push((kind, samples.iter().flat_map(Vec3::to_array).collect(), 3));
                     }
                 }
             }
@@ -187,7 +187,7 @@ impl ClipCurves {
             pairs
                 .map(|(a, b)| {
                     let turned = [a.x_axis - b.x_axis, a.y_axis - b.y_axis, a.z_axis - b.z_axis];
-                    let turned = turned.into_iter().map(|axis| axis.length()).fold(0.0, f32::max);
+                    let turned = turned.into_iter().map(Vec3A::length).fold(0.0, f32::max);
                     a.translation.distance(b.translation) + turned * lever
                 })
                 .fold(0.0, f32::max)
@@ -261,155 +261,5 @@ fn distance(a: Quat, b: Quat) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
-    use bevy::math::{Affine3A, ops};
-
-    use super::*;
-
-    /// Shoulder, elbow and wrist, each a metre above the other.
-    fn arm() -> Skeleton {
-        let step = JointTransform { translation: Vec3::Y, ..JointTransform::IDENTITY };
-        let joints = [
-            ("shoulder".to_owned(), None, JointTransform::IDENTITY),
-            ("elbow".to_owned(), Some(JointIndex(0)), step),
-            ("wrist".to_owned(), Some(JointIndex(1)), step),
-        ];
-        Skeleton::new(joints, Affine3A::IDENTITY).unwrap()
-    }
-
-    fn turning(times: Vec<f32>, angles: &[f32], interpolation: Interpolation) -> ClipCurves {
-        let values = angles.iter().map(|angle| Quat::from_rotation_z(*angle)).collect();
-        let mut joint = JointCurves::new(JointIndex(0));
-        joint.rotation = Some(Curve::rotation(times, values, interpolation).unwrap());
-        ClipCurves { name: "turn".to_owned(), joints: vec![joint], morphs: Vec::new() }
-    }
-
-    fn sampled(clip: &Clip, time: f32) -> Vec<JointTransform> {
-        let mut out = vec![JointTransform::IDENTITY; 3];
-        clip.sample(&arm(), time, &mut out);
-        out
-    }
-
-    #[test]
-    fn a_smooth_clip_needs_thirty_frames_a_second() {
-        let clip = turning(vec![0.0, 1.0], &[0.0, 0.5], Interpolation::Linear).bake(&arm());
-        assert_eq!((clip.frame_count(), clip.frame_rate()), (31, 30.0));
-        assert!(clip.report.max_error < 1e-4, "error {} m", clip.report.max_error);
-        assert_eq!(clip.report.bytes, 31 * 16);
-    }
-
-    #[test]
-    fn keys_at_their_own_rate_are_kept_to_the_bit() {
-        let times: Vec<f32> = (0..=24).map(|key| key as f32 / 24.0).collect();
-        let angles: Vec<f32> = times.iter().map(|time| 1.5 * ops::sin(time * 6.0)).collect();
-        let clip = turning(times, &angles, Interpolation::Linear).bake(&arm());
-        assert_eq!((clip.frame_count(), clip.frame_rate()), (25, 24.0));
-        assert!(clip.report.max_error < 1e-4, "error {} m", clip.report.max_error);
-    }
-
-    #[test]
-    fn baked_and_exact_pose_agree_at_any_time() {
-        let times: Vec<f32> = (0..=10).map(|key| 0.13 * key as f32).collect();
-        let angles: Vec<f32> = times.iter().map(|time| 0.8 * ops::sin(time * 5.0)).collect();
-        let curves = turning(times, &angles, Interpolation::Linear);
-        let clip = curves.bake(&arm());
-        let mut exact = vec![JointTransform::IDENTITY; 3];
-        for step in 0..=300 {
-            let time = 1.3 * step as f32 / 300.0;
-            curves.sample(&arm(), time, &mut exact);
-            let error = exact[0].rotation.angle_between(sampled(&clip, time)[0].rotation);
-            // Two metres of arm turn this angle into distance.
-            assert!(2.0 * error <= clip.report.max_error + 2e-3, "{error} rad at {time} s");
-        }
-    }
-
-    #[test]
-    fn channels_that_stand_still_cost_no_rows() {
-        let mut curves = turning(vec![0.0, 1.0], &[0.3, 0.3], Interpolation::Linear);
-        let mut elbow = JointCurves::new(JointIndex(1));
-        elbow.translation = Some(Curve::new(vec![0.0, 1.0], vec![Vec3::Y; 2], Interpolation::Step).unwrap());
-        elbow.scale = Some(Curve::new(vec![0.2], vec![Vec3::splat(2.0)], Interpolation::Linear).unwrap());
-        curves.joints.push(elbow);
-        let clip = curves.bake(&arm());
-        assert_eq!(clip.frames.rows.len(), 0, "nothing moves");
-        assert_eq!(clip.frames.still_translations.len(), 0, "the elbow is at rest");
-        let pose = sampled(&clip, 0.4);
-        assert!(pose[0].rotation.angle_between(Quat::from_rotation_z(0.3)) < 1e-3);
-        assert_eq!((pose[1].translation, pose[1].scale), (Vec3::Y, Vec3::splat(2.0)));
-    }
-
-    #[test]
-    fn the_first_key_holds_from_the_start() {
-        let clip = turning(vec![0.5, 1.0], &[0.2, 0.6], Interpolation::Linear).bake(&arm());
-        assert_eq!(clip.duration, 1.0);
-        let early = sampled(&clip, 0.25)[0].rotation.angle_between(Quat::from_rotation_z(0.2));
-        assert!(early < 1e-3, "off by {early} rad");
-    }
-
-    #[test]
-    fn a_loop_is_told_by_its_seam_and_wraps() {
-        let loops = turning(vec![0.0, 0.5, 1.0], &[0.1, 0.9, 0.1], Interpolation::Linear).bake(&arm());
-        assert!(loops.looping && loops.report.seam < 1e-4, "seam {} m", loops.report.seam);
-        assert_eq!([-0.25, 3.25, f32::NAN].map(|time| loops.wrap(time)), [0.75, 0.25, 0.0]);
-        let ends = turning(vec![0.0, 1.0], &[0.1, 0.9], Interpolation::Linear).bake(&arm());
-        assert!(!ends.looping, "seam {} m", ends.report.seam);
-        assert_eq!([-0.25, 3.25].map(|time| ends.wrap(time)), [0.0, 1.0]);
-    }
-
-    #[test]
-    fn a_clip_of_no_length_is_one_pose() {
-        let clip = turning(vec![0.0], &[0.4], Interpolation::Linear).bake(&arm());
-        assert_eq!((clip.duration, clip.frame_count()), (0.0, 1));
-        for time in [0.0, 1.0, -1.0, f32::INFINITY] {
-            let error = sampled(&clip, time)[0].rotation.angle_between(Quat::from_rotation_z(0.4));
-            assert!(error < 1e-3, "off by {error} rad at {time} s");
-        }
-        let none = ClipCurves::default().bake(&arm());
-        assert_eq!(sampled(&none, 0.3), arm().rest());
-    }
-
-    #[test]
-    fn morph_weights_are_kept_by_node() {
-        let curve = |values: Vec<f32>| Curve::new(vec![0.0, 1.0], values, Interpolation::Linear).unwrap();
-        let mut curves = turning(vec![0.0, 1.0], &[0.0, 0.5], Interpolation::Linear);
-        for (node, weights) in [(1, vec![0.0, 1.0]), (2, vec![1.0, 0.5])] {
-            curves
-                .morphs
-                .push(MorphCurves { node: JointIndex(node), weights: vec![curve(weights), curve(vec![0.0; 2])] });
-        }
-        let clip = curves.bake(&arm());
-        let mut weights = [9.0; 2];
-        assert!(clip.morph_weights(JointIndex(2), 0.5, &mut weights));
-        assert!((weights[0] - 0.75).abs() < 1e-5 && weights[1].abs() < 1e-6, "{weights:?}");
-        assert!(!clip.morph_weights(JointIndex(0), 0.5, &mut weights), "no weights on that node");
-    }
-
-    #[test]
-    fn clips_of_a_twin_with_other_axes_look_the_same() {
-        // The same arm, in centimetres, every joint's axes turned.
-        let turn = Quat::from_euler(bevy::math::EulerRot::XYZ, 0.4, -1.1, 0.7);
-        let step = |rotation: Quat, translation: Vec3| JointTransform { translation, rotation, scale: Vec3::ONE };
-        let up = turn.inverse() * Vec3::Y * 200.0;
-        let joints = [
-            ("a".to_owned(), None, step(turn, Vec3::ZERO)),
-            ("b".to_owned(), Some(JointIndex(0)), step(Quat::IDENTITY, up)),
-            ("c".to_owned(), Some(JointIndex(1)), step(Quat::IDENTITY, up)),
-        ];
-        let twin = Skeleton::new(joints, Affine3A::from_scale(Vec3::splat(0.01))).unwrap();
-        let mut curves = turning(vec![0.0, 1.0], &[0.0, 1.0], Interpolation::Linear);
-        let moves = vec![Vec3::ZERO, Vec3::X];
-        curves.joints[0].translation = Some(Curve::new(vec![0.0, 1.0], moves, Interpolation::Linear).unwrap());
-        let clip = curves.bake(&arm());
-        let pairs = [0, 1, 2].map(|joint| (JointIndex(joint), JointIndex(joint)));
-        let foreign = clip.retargeted(&arm(), &twin, &pairs, &[JointIndex(0)], 2.0);
-        let (mut own, mut other) = (Pose::rest(&arm()), Pose::rest(&twin));
-        for time in [0.0, 0.3, 0.8, 1.0] {
-            clip.sample(&arm(), time, own.locals_mut());
-            foreign.sample(&twin, time, other.locals_mut());
-            own.update_model(&arm());
-            other.update_model(&twin);
-            let (want, got) = (2.0 * own.position(JointIndex(2)), other.position(JointIndex(2)));
-            assert!(got.distance(want) < 1e-3, "wrist at {got}, not {want}, at {time} s");
-        }
-    }
-}
+#[expect(clippy::float_cmp, reason = "these values are exact by construction")]
+mod tests;

@@ -1,0 +1,225 @@
+//! Finds contacts: the soles of both feet over a clip, the ground that passes under them, who stands when.
+//!
+//! Model space, metres, +Y up; samples are even steps through the clip, both ends included.
+
+use bevy::math::Vec3;
+
+use super::{Contact, Gait};
+use crate::anim::{clip::Clip, leg::Leg, pose::Pose, skeleton::Skeleton};
+
+/// Samples per second of clip, and how many at least and at most.
+const SAMPLES: (f32, usize, usize) = (120.0, 48, 1024);
+/// A leg of this length takes the thresholds below as they are; others scale them.
+const LEG: f32 = 0.875;
+/// Metres over the ground below which a point of the sole may land, and above which it has left.
+const HEIGHT: (f32, f32) = (0.012, 0.025);
+/// Speeds against the ground below which a point may land, and above which it has left: m/s, and share of ground speed.
+const SPEED: [(f32, f32); 2] = [(0.15, 0.3), (0.3, 0.5)];
+/// Ground speed below this, m/s, is standing.
+const STANDING: f32 = 0.08;
+/// Seconds below which a gap in a stance is noise, and below which a stance is.
+const GAP: f32 = 0.03;
+
+/// Sole points over the clip.
+pub(super) struct Track {
+    duration: f32,
+    looping: bool,
+    /// Size of the character against [`LEG`].
+    size: f32,
+    /// By sample, foot, point: position in model space.
+    points: Vec<[[Vec3; 3]; 2]>,
+    /// Horizontal way of the hips over the clip, m/s: root motion left in the clip.
+    drift: Vec3,
+}
+
+impl Track {
+    pub(super) fn new(clip: &Clip, skeleton: &Skeleton, legs: &[Leg; 2]) -> Self {
+        let (rate, least, most) = SAMPLES;
+        let count = ((clip.duration * rate) as usize).clamp(least, most);
+        let mut pose = Pose::rest(skeleton);
+        let mut hips = [Vec3::ZERO; 2];
+        let mut points = Vec::with_capacity(count);
+        for sample in 0..=count {
+            // The last sample is the end itself, not the start again.
+            let held = Clip::time_of(sample, count, clip.duration);
+            clip.sample_held(skeleton, held, pose.locals_mut());
+            pose.update_model(skeleton);
+            points.push([0, 1].map(|foot| legs[foot].sole().map(|point| point.position(&pose))));
+            let middle = 0.5 * (pose.position(legs[0].upper) + pose.position(legs[1].upper));
+            if sample == 0 {
+                hips[0] = middle;
+            }
+            hips[1] = middle;
+        }
+        let drift = if clip.duration > 0.0 { (hips[1] - hips[0]) / clip.duration } else { Vec3::ZERO };
+        Self {
+            duration: clip.duration,
+            looping: clip.looping,
+            size: (0.5 * (legs[0].length() + legs[1].length()) / LEG).max(1e-3),
+            points,
+            drift: Vec3::new(drift.x, 0.0, drift.z),
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.points.len() - 1
+    }
+
+    /// Velocity of a point at a sample, m/s.
+    fn velocity(&self, sample: usize, foot: usize, point: usize) -> Vec3 {
+        if self.duration <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let count = self.count();
+        let at = |sample: usize| self.points[sample][foot][point];
+        let step = self.duration / count as f32;
+        if self.looping && (sample == 0 || sample == count) {
+            // Over the seam: the last sample is the first one again, a cycle of root motion further on.
+            return (at(1) - at(0) + at(count) - at(count - 1)) / (2.0 * step);
+        }
+        let (before, after) = (sample.saturating_sub(1), (sample + 1).min(count));
+        (at(after) - at(before)) / (step * (after - before) as f32)
+    }
+
+    fn height(&self, sample: usize, foot: usize, point: usize) -> f32 {
+        self.points[sample][foot][point].y
+    }
+
+    /// The lowest point of a foot at a sample.
+    fn lowest(&self, sample: usize, foot: usize) -> usize {
+        let mut lowest = 0;
+        for point in 1..3 {
+            if self.height(sample, foot, point) < self.height(sample, foot, lowest) {
+                lowest = point;
+            }
+        }
+        lowest
+    }
+
+    pub(super) fn gait(&self) -> Gait {
+        let ground = self.ground();
+        let mut passing = self.ground_velocity(|sample, foot, point| {
+            self.height(sample, foot, point) < ground[foot] + HEIGHT.1 * self.size
+        });
+        let mut stands = [self.stance(0, ground[0], passing), self.stance(1, ground[1], passing)];
+        // Once more with what stands: swing's low passes no longer count.
+        if stands.iter().flatten().any(|stands| *stands) {
+            passing = self.ground_velocity(|sample, foot, _| stands[foot][sample % self.count()]);
+            stands = [self.stance(0, ground[0], passing), self.stance(1, ground[1], passing)];
+        }
+
+        let mut velocity = self.drift - passing;
+        if velocity.length() < STANDING * self.size.sqrt() {
+            velocity = Vec3::ZERO;
+        }
+        let contact = [self.intervals(&stands[0]), self.intervals(&stands[1])];
+        let sole_height = [0, 1].map(|foot| {
+            let heights = (0..self.count())
+                .filter(|&sample| stands[foot][sample])
+                .map(|sample| self.height(sample, foot, self.lowest(sample, foot)));
+            median(heights.collect()).unwrap_or(ground[foot])
+        });
+        let mut gait =
+            Gait { velocity, speed: velocity.length(), sole_height, looping: self.looping, ..Gait::default() };
+        gait.set_contacts(contact);
+        gait.set_speed(gait.speed, self.duration);
+        gait
+    }
+
+    /// Height of the ground under each foot: the lowest its sole gets, but no higher than a step over the other's.
+    fn ground(&self) -> [f32; 2] {
+        let lowest = [0, 1].map(|foot| {
+            let heights = (0..self.points.len()).map(|sample| self.height(sample, foot, self.lowest(sample, foot)));
+            heights.fold(f32::INFINITY, f32::min)
+        });
+        let both = lowest[0].min(lowest[1]) + HEIGHT.1 * self.size;
+        lowest.map(|height| height.min(both))
+    }
+
+    /// Horizontal velocity of the ground past the character: the median of what the lowest points do where `counts`.
+    fn ground_velocity(&self, counts: impl Fn(usize, usize, usize) -> bool) -> Vec3 {
+        let (mut x, mut z) = (Vec::new(), Vec::new());
+        for sample in 0..self.count() {
+            for foot in 0..2 {
+                let point = self.lowest(sample, foot);
+                if counts(sample, foot, point) {
+                    let velocity = self.velocity(sample, foot, point);
+                    x.push(velocity.x);
+                    z.push(velocity.z);
+                }
+            }
+        }
+        Vec3::new(median(x).unwrap_or(0.0), 0.0, median(z).unwrap_or(0.0))
+    }
+
+    /// By sample: whether the foot stands on ground at height `ground` that moves with `passing`.
+    fn stance(&self, foot: usize, ground: f32, passing: Vec3) -> Vec<bool> {
+        let count = self.count();
+        let near = |sample: usize, loose: bool| {
+            let height = if loose { HEIGHT.1 } else { HEIGHT.0 } * self.size;
+            let (slow, share) = SPEED[usize::from(loose)];
+            let speed = slow * self.size.sqrt() + share * passing.length();
+            (0..3).any(|point| {
+                let slip = self.velocity(sample, foot, point) - passing;
+                self.height(sample, foot, point) < ground + height && Vec3::new(slip.x, 0.0, slip.z).length() < speed
+            })
+        };
+        let mut stands = vec![false; count];
+        let mut standing = near(0, false);
+        // Twice round, so that a loop starts as it ends.
+        for step in 0..if self.looping { 2 * count } else { count } {
+            let sample = step % count;
+            standing = near(sample, standing);
+            stands[sample] = standing;
+        }
+        let shortest = ((GAP * self.size.sqrt() * count as f32 / self.duration.max(GAP)) as usize).min(count / 4);
+        clean(&mut stands, false, shortest, self.looping);
+        clean(&mut stands, true, shortest, self.looping);
+        stands
+    }
+
+    fn intervals(&self, stands: &[bool]) -> Vec<Contact> {
+        let count = stands.len();
+        let phase = |sample: usize| sample as f32 / count as f32;
+        if stands.iter().all(|stands| *stands) {
+            return vec![Contact { start: 0.0, end: 1.0 }];
+        }
+        runs(stands, true, self.looping)
+            .map(|(start, length)| Contact { start: phase(start), end: phase(start + length) })
+            .collect()
+    }
+}
+
+/// Flips runs of `value` shorter than `shortest` samples.
+fn clean(samples: &mut [bool], value: bool, shortest: usize, looping: bool) {
+    let count = samples.len();
+    let short: Vec<_> = runs(samples, value, looping).filter(|&(_, length)| length < shortest).collect();
+    for (start, length) in short {
+        for step in start..start + length {
+            samples[step % count] = !value;
+        }
+    }
+}
+
+/// Runs of `value` as start and length; in a loop a run may go over the end.
+fn runs(samples: &[bool], value: bool, looping: bool) -> impl Iterator<Item = (usize, usize)> {
+    let count = samples.len();
+    let starts = (0..count).filter(move |&start| {
+        let before = if start > 0 { Some(samples[start - 1]) } else { looping.then(|| samples[count - 1]) };
+        samples[start] == value && before != Some(value)
+    });
+    starts.map(move |start| {
+        let end = if looping { start + count } else { count };
+        (start, (start..end).take_while(|&at| samples[at % count] == value).count())
+    })
+}
+
+fn median(mut values: Vec<f32>) -> Option<f32> {
+    values.sort_by(f32::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => None,
+        odd if odd % 2 == 1 => Some(values[middle]),
+        _ => Some(0.5 * (values[middle - 1] + values[middle])),
+    }
+}
