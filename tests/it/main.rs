@@ -3,4 +3,5 @@
 mod character_file;
 mod gltf_file;
 mod layers;
+mod mannequin;
 mod rig;

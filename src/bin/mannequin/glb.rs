@@ -50,7 +50,7 @@ impl Buffer {
     }
 
     fn vectors(&mut self, rows: &[Vec3], target: Option<u32>) -> usize {
-        let flat: Vec<f32> = rows.iter().flat_map(|v| v.to_array()).collect();
+        let flat: Vec<f32> = rows.iter().flat_map(Vec3::to_array).collect();
         self.floats(&flat, "VEC3", rows.len(), target)
     }
 

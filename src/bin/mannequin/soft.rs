@@ -36,9 +36,9 @@ fn undersuit() -> Mesh {
         .map(|name| JOINTS[index(name)].position);
     let nearest = move |p: Vec3| bends.iter().map(|b| b.distance(p)).fold(f32::MAX, f32::min);
     let detail = Detail {
-        triangles: 2900,
+        triangles: 1550,
         weight: &|p| if nearest(p) < 0.10 { 3.0 } else { 1.0 },
-        edge: &|p| if nearest(p) < 0.09 { 0.030 } else { 0.060 },
+        edge: &|p| if nearest(p) < 0.09 { 0.036 } else { 0.110 },
     };
     part(&field, &grid, &detail, &weights::undersuit)
 }
@@ -47,14 +47,15 @@ fn glove() -> Mesh {
     let fingers = hand::fingers();
     let field = |p: Vec3| hand::glove(p, &fingers);
     let grid = Grid { low: Vec3::new(0.67, 1.37, -0.08), high: Vec3::new(0.96, 1.45, 0.10), cell: 0.0022, half: false };
-    let detail = Detail { triangles: 1000, weight: &|_| 1.0, edge: &|p| if p.x > 0.83 { 0.016 } else { 0.030 } };
+    let detail = Detail { triangles: 680, weight: &|_| 1.0, edge: &|p| if p.x > 0.83 { 0.022 } else { 0.040 } };
     part(&field, &grid, &detail, &|p| weights::glove(p, &fingers))
 }
 
 fn boot_inner() -> Mesh {
     let field = |p: Vec3| boot::boot(p);
     let grid = Grid { low: Vec3::new(0.03, 0.0, -0.08), high: Vec3::new(0.15, 0.17, 0.21), cell: 0.005, half: false };
-    let detail = Detail { triangles: 360, weight: &|_| 1.0, edge: &|_| 0.035 };
+    let detail =
+        Detail { triangles: 280, weight: &|_| 1.0, edge: &|p| if (p.z - 0.118).abs() < 0.034 { 0.020 } else { 0.060 } };
     part(&field, &grid, &detail, &weights::boot)
 }
 

@@ -110,8 +110,11 @@ fn leg(shares: &mut Shares, p: Vec3) {
 #[must_use]
 pub fn boot(p: Vec3) -> Influences {
     let mut shares = Shares::of("leftLowerLeg");
-    shares.hand_over("leftLowerLeg", "leftFoot", 1.0 - ramp(p.y, 0.100, 0.032));
-    shares.hand_over("leftFoot", "leftToes", ramp(p.z, 0.123, 0.022));
+    // Instep and heel belong to the foot even where they rise as high as the ankle's fold.
+    let ahead = ((p.z + 0.012).abs() - 0.030).max(0.0);
+    shares.hand_over("leftLowerLeg", "leftFoot", 1.0 - ramp(p.y - 0.7 * ahead, 0.096, 0.030));
+    // Ends under the rim of the toe cap, which is rigid.
+    shares.hand_over("leftFoot", "leftToes", ramp(p.z, 0.114, 0.017));
     shares.finish()
 }
 

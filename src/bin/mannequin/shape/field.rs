@@ -9,12 +9,6 @@ pub fn blend(a: f32, b: f32, width: f32) -> f32 {
     a.min(b) - h * h * h * width / 6.0
 }
 
-/// Cuts `b` out of `a`, with a rounded rim about `width` metres wide.
-#[must_use]
-pub fn carve(a: f32, b: f32, width: f32) -> f32 {
-    -blend(-a, b, width)
-}
-
 /// A cone with round ends: radius `ra` at `a`, `rb` at `b`.
 #[must_use]
 pub fn bone(p: Vec3, a: Vec3, b: Vec3, ra: f32, rb: f32) -> f32 {
