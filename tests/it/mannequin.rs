@@ -2,6 +2,7 @@
 
 use std::{path::Path, process::Command};
 
+use glam::Vec3;
 use gltf::mesh::Mode;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/mannequin.glb");
@@ -68,6 +69,22 @@ fn normals_are_unit_and_no_number_is_broken() {
         }
     });
     assert!(positions().iter().flatten().all(|c| c.is_finite()), "a position is not finite");
+}
+
+#[test]
+fn no_triangle_is_inside_out() {
+    primitives(|primitive, blob| {
+        let reader = primitive.reader(|_| Some(blob));
+        let points: Vec<Vec3> = reader.read_positions().unwrap().map(Vec3::from).collect();
+        let normals: Vec<Vec3> = reader.read_normals().unwrap().map(Vec3::from).collect();
+        let indices: Vec<usize> = reader.read_indices().unwrap().into_u32().map(|i| i as usize).collect();
+        let inverted = indices.chunks(3).filter(|t| {
+            let across = (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
+            across.dot(normals[t[0]] + normals[t[1]] + normals[t[2]]) < 0.0
+        });
+        let (count, of) = (inverted.count(), indices.len() / 3);
+        assert!(count * 500 <= of, "{}: {count} of {of} triangles", primitive.material().name().unwrap());
+    });
 }
 
 #[test]

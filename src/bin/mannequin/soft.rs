@@ -36,7 +36,7 @@ fn undersuit() -> Mesh {
         .map(|name| JOINTS[index(name)].position);
     let nearest = move |p: Vec3| bends.iter().map(|b| b.distance(p)).fold(f32::MAX, f32::min);
     let detail = Detail {
-        triangles: 1550,
+        triangles: 1420,
         weight: &|p| if nearest(p) < 0.10 { 3.0 } else { 1.0 },
         edge: &|p| if nearest(p) < 0.09 { 0.036 } else { 0.110 },
     };

@@ -127,3 +127,62 @@ fn faces(samples: &Samples, vertex_of: &BTreeMap<[i32; 3], u32>, p: IVec3, trian
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simplify::{Detail, simplify};
+
+    fn ball() -> Soup {
+        let grid = Grid { low: Vec3::splat(-0.12), high: Vec3::splat(0.12), cell: 0.01, half: false };
+        surface(&|p| p.length() - 0.1, &grid)
+    }
+
+    /// Edges that are not seen exactly once from each side.
+    fn loose_edges(soup: &Soup) -> usize {
+        let mut edges = BTreeMap::new();
+        for t in &soup.triangles {
+            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                *edges.entry((a, b)).or_insert(0) += 1;
+            }
+        }
+        edges.iter().filter(|((a, b), count)| **count != 1 || edges.get(&(*b, *a)) != Some(&1)).count()
+    }
+
+    fn farthest_from_the_sphere(soup: &Soup) -> f32 {
+        soup.points.iter().map(|p| (p.length() - 0.1).abs()).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn a_ball_is_closed_faces_outward_and_lies_on_its_sphere() {
+        let ball = ball();
+        assert_eq!(loose_edges(&ball), 0);
+        let off = farthest_from_the_sphere(&ball);
+        assert!(off < 1e-5, "a vertex is {off} m off the sphere");
+        let inward = ball.triangles.iter().filter(|t| {
+            let [a, b, c] = t.map(|v| ball.points[v as usize]);
+            (b - a).cross(c - a).dot(a) < 0.0
+        });
+        assert_eq!(inward.count(), 0);
+    }
+
+    #[test]
+    fn a_half_ball_is_open_only_at_its_rim() {
+        let grid = Grid { low: Vec3::splat(-0.12), high: Vec3::splat(0.12), cell: 0.01, half: true };
+        let half = surface(&|p| p.length() - 0.1, &grid);
+        let rim = half.points.iter().filter(|p| p.x == 0.0).count();
+        assert!(rim > 20, "{rim} vertices at x = 0");
+        assert!(half.points.iter().all(|p| p.x >= 0.0));
+        assert_eq!(loose_edges(&half), rim);
+    }
+
+    #[test]
+    fn a_simplified_ball_stays_closed_and_round() {
+        let detail = Detail { triangles: 300, weight: &|_| 1.0, edge: &|_| 1.0 };
+        let few = simplify(&ball(), &detail);
+        assert!(few.triangles.len() <= 300, "{} triangles", few.triangles.len());
+        assert_eq!(loose_edges(&few), 0);
+        let off = farthest_from_the_sphere(&few);
+        assert!(off < 0.002, "a vertex is {off} m off the sphere");
+    }
+}

@@ -154,3 +154,73 @@ fn past(finger: &Finger, k: usize, p: Vec3) -> f32 {
     let along = (before.normalize() + (finger.points[k + 1] - finger.points[k]).normalize()).normalize();
     ramp((p - finger.points[k]).dot(along), 0.0, 0.8 * finger.radii[k])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::hand::fingers;
+
+    fn share(influences: &Influences, joint: &str) -> f32 {
+        influences.iter().filter(|(i, _)| *i == index(joint)).map(|(_, share)| share).sum()
+    }
+
+    /// Largest change of any joint's share over a millimetre, along a line.
+    fn steepest(carry: impl Fn(Vec3) -> Influences, from: Vec3, to: Vec3) -> f32 {
+        let steps = (from.distance(to) / 0.001) as u16;
+        let at = |k: u16| carry(from.lerp(to, f32::from(k) / f32::from(steps)));
+        let change = |a: Influences, b: Influences| {
+            let of = |list: &Influences, joint| list.iter().filter(|(i, _)| *i == joint).map(|(_, w)| w).sum::<f32>();
+            a.iter().chain(&b).map(|(joint, _)| (of(&a, *joint) - of(&b, *joint)).abs()).fold(0.0, f32::max)
+        };
+        (0..steps).map(|k| change(at(k), at(k + 1))).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn a_thigh_knows_nothing_of_the_other_one() {
+        let inner_thigh = undersuit(Vec3::new(0.012, 0.80, 0.0));
+        assert!(share(&inner_thigh, "rightUpperLeg") < 1e-6, "{inner_thigh:?}");
+        assert!(share(&inner_thigh, "leftUpperLeg") > 0.9, "{inner_thigh:?}");
+    }
+
+    #[test]
+    fn left_and_right_share_the_crotch_equally() {
+        let crotch = undersuit(Vec3::new(0.0, 0.870, 0.0));
+        let (left, right) = (share(&crotch, "leftUpperLeg"), share(&crotch, "rightUpperLeg"));
+        assert!((left - right).abs() < 1e-6 && left > 0.05, "left {left}, right {right}");
+    }
+
+    #[test]
+    fn the_flank_does_not_follow_the_arm() {
+        let flank = undersuit(Vec3::new(0.150, 1.250, 0.0));
+        assert!(share(&flank, "leftUpperArm") < 0.02, "{flank:?}");
+    }
+
+    #[test]
+    fn weights_change_gradually_along_leg_arm_and_spine() {
+        let lines = [
+            ("leg", Vec3::new(0.10, 1.00, 0.05), Vec3::new(0.10, 0.09, 0.02)),
+            ("arm", Vec3::new(0.02, 1.45, 0.0), Vec3::new(0.77, 1.43, 0.0)),
+            ("spine", Vec3::new(0.0, 0.90, 0.09), Vec3::new(0.0, 1.70, 0.05)),
+        ];
+        for (name, from, to) in lines {
+            let step = steepest(undersuit, from, to);
+            assert!(step < 0.035, "{name}: a share jumps by {step} within a millimetre");
+        }
+    }
+
+    #[test]
+    fn a_fingertip_belongs_to_its_own_finger() {
+        let fingers = fingers();
+        for finger in &fingers {
+            let tip = glove(finger.points[3], &fingers);
+            assert_eq!(tip[0], (finger.joints[2], 1.0), "{tip:?}");
+        }
+    }
+
+    #[test]
+    fn the_sole_bends_under_the_ball_and_nowhere_else() {
+        let at = |z| share(&boot(Vec3::new(0.09, 0.0, z)), "leftToes");
+        assert!(at(0.06) < 1e-6 && at(0.15) > 0.999, "toes carry {} at the arch, {} at the toes", at(0.06), at(0.15));
+        assert!((0.2..0.8).contains(&at(0.114)), "toes carry {} at the ball", at(0.114));
+    }
+}

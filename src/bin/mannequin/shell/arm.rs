@@ -71,7 +71,6 @@ pub const PLATES: &[Panel] = &[
         cells: [9, 4],
         height: 0.0085,
         outline: Outline::Rounded(0.016),
-        lines: &[(0, 0.32)],
         bands: &[band(1, 0.74, 0.86)],
         ..PLATE
     },

@@ -14,7 +14,6 @@ pub const PLATES: &[Panel] = &[
         cells: [9, 5],
         height: 0.009,
         outline: Outline::Rounded(0.024),
-        lines: &[(1, 0.16)],
         bands: &[band(0, 0.66, 0.75)],
         ..PLATE
     },
@@ -40,7 +39,7 @@ pub const PLATES: &[Panel] = &[
         right: &[82.0, 96.0, 66.0],
         bottom: &[0.186, 0.166, 0.160, 0.166, 0.186],
         top: &[0.410, 0.436, 0.444, 0.436, 0.410],
-        cells: [8, 5],
+        cells: [7, 4],
         height: 0.009,
         dome: 0.003,
         outline: Outline::Rounded(0.022),

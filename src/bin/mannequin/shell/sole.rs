@@ -105,6 +105,6 @@ fn cap(mesh: &mut Mesh, ring: usize, normal: Vec3) {
         let at = |k: usize| base + (k % loops) as u32;
         let [a, b, c, d] = [at(k), at(k + 1), at(loops - 2 - k), at(loops - 1 - k)];
         let quad = [[a, b, c], [a, c, d]];
-        mesh.triangles.extend(if normal.y > 0.0 { quad.map(|t| [t[0], t[2], t[1]]) } else { quad });
+        mesh.triangles.extend(if normal.y < 0.0 { quad.map(|t| [t[0], t[2], t[1]]) } else { quad });
     }
 }

@@ -98,8 +98,39 @@ pub const PLATES: &[Panel] = &[
         height: 0.009,
         outline: Outline::Rounded(0.026),
         lines: &[(1, 0.62)],
-        bands: &[band(0, 0.465, 0.535)],
+        bands: &[band(0, 0.455, 0.545)],
         mirrored: false,
+        ..PLATE
+    },
+    // Pack on the back, with two lights.
+    Panel {
+        joint: "upperChest",
+        left: &[163.0, 158.0, 160.0],
+        right: &[197.0, 202.0, 200.0],
+        bottom: &[1.282, 1.270, 1.282],
+        top: &[1.408, 1.414, 1.408],
+        cells: [5, 4],
+        height: 0.026,
+        dome: 0.006,
+        bevel: 0.006,
+        outline: Outline::Rounded(0.014),
+        lines: &[(1, 0.26)],
+        bands: &[band(0, 0.40, 0.60)],
+        color: SHADE,
+        mirrored: false,
+        ..PLATE
+    },
+    Panel {
+        joint: "upperChest",
+        left: &[168.0, 166.0],
+        right: &[172.0, 171.0],
+        bottom: &[1.335],
+        top: &[1.385],
+        cells: [2, 4],
+        height: 0.0315,
+        bevel: 0.001,
+        outline: Outline::Oval,
+        material: Material::Glow,
         ..PLATE
     },
     Panel {
