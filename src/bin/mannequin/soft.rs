@@ -53,7 +53,7 @@ fn glove() -> Mesh {
 
 fn boot_inner() -> Mesh {
     let field = |p: Vec3| boot::boot(p);
-    let grid = Grid { low: Vec3::new(0.03, 0.0, -0.08), high: Vec3::new(0.15, 0.17, 0.21), cell: 0.005, half: false };
+    let grid = Grid { low: Vec3::new(0.03, -0.01, -0.08), high: Vec3::new(0.15, 0.17, 0.21), cell: 0.005, half: false };
     let detail =
         Detail { triangles: 280, weight: &|_| 1.0, edge: &|p| if (p.z - 0.118).abs() < 0.034 { 0.020 } else { 0.060 } };
     part(&field, &grid, &detail, &weights::boot)
@@ -74,4 +74,18 @@ fn part(field: &dyn Fn(Vec3) -> f32, grid: &Grid, detail: &Detail, carry: &dyn F
         }
     });
     Mesh { vertices: vertices.collect(), triangles: soup.triangles }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::loose_edges;
+
+    #[test]
+    fn every_soft_part_is_closed() {
+        for (name, part) in [("undersuit", undersuit().both_halves()), ("glove", glove()), ("boot", boot_inner())] {
+            let loose = loose_edges(&part.triangles);
+            assert_eq!(loose, 0, "{name}: {loose} of {} edges have one side only", part.triangles.len() * 3 / 2);
+        }
+    }
 }

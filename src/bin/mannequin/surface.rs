@@ -128,6 +128,18 @@ fn faces(samples: &Samples, vertex_of: &BTreeMap<[i32; 3], u32>, p: IVec3, trian
     }
 }
 
+/// Edges that are not seen exactly once from each side.
+#[cfg(test)]
+pub fn loose_edges(triangles: &[[u32; 3]]) -> usize {
+    let mut edges = BTreeMap::new();
+    for t in triangles {
+        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+            *edges.entry((a, b)).or_insert(0) += 1;
+        }
+    }
+    edges.iter().filter(|((a, b), count)| **count != 1 || edges.get(&(*b, *a)) != Some(&1)).count()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -138,15 +150,8 @@ mod tests {
         surface(&|p| p.length() - 0.1, &grid)
     }
 
-    /// Edges that are not seen exactly once from each side.
     fn loose_edges(soup: &Soup) -> usize {
-        let mut edges = BTreeMap::new();
-        for t in &soup.triangles {
-            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
-                *edges.entry((a, b)).or_insert(0) += 1;
-            }
-        }
-        edges.iter().filter(|((a, b), count)| **count != 1 || edges.get(&(*b, *a)) != Some(&1)).count()
+        super::loose_edges(&soup.triangles)
     }
 
     fn farthest_from_the_sphere(soup: &Soup) -> f32 {

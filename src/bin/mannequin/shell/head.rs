@@ -49,7 +49,7 @@ pub const PLATES: &[Panel] = &[
         right: &[206.0, 214.0, 206.0],
         bottom: &[-60.0],
         top: &[60.0],
-        cells: [9, 6],
+        cells: [11, 7],
         height: 0.007,
         outline: Outline::Rounded(0.016),
         lines: &[(0, 0.62), (1, 0.28), (1, 0.72)],
