@@ -94,3 +94,9 @@ pub fn undersuit(p: Vec3) -> f32 {
     trunk = blend(trunk, ARM.field(p), 0.060);
     blend(trunk, LEG.field(p), 0.050)
 }
+
+/// Metres from `p` to the left shoulder's ball and the arm without the trunk: what a cap lies on that turns with the arm.
+#[must_use]
+pub fn shoulder(p: Vec3) -> f32 {
+    blend(p.distance(Vec3::new(0.190, 1.413, -0.015)) - 0.066, ARM.field(p), 0.030)
+}

@@ -10,27 +10,12 @@ pub const PLATES: &[Panel] = &[
         chart: ARM,
         left: &[-62.0, -50.0],
         right: &[58.0, 44.0],
-        bottom: &[0.104, 0.084, 0.078, 0.084, 0.104],
-        top: &[0.142, 0.152, 0.156, 0.152, 0.142],
+        bottom: &[0.096, 0.080, 0.074, 0.080, 0.096],
+        top: &[0.132, 0.138, 0.138, 0.138, 0.132],
         cells: [6, 3],
         height: 0.007,
         outline: Outline::Rounded(0.016),
         color: SHADE,
-        ..PLATE
-    },
-    // Shoulder cap.
-    Panel {
-        joint: "leftUpperArm",
-        chart: ARM,
-        left: &[-58.0, -84.0, -76.0],
-        right: &[58.0, 84.0, 76.0],
-        bottom: &[0.200, 0.188, 0.184, 0.188, 0.200],
-        top: &[0.266, 0.288, 0.296, 0.288, 0.266],
-        cells: [8, 4],
-        height: 0.010,
-        dome: 0.006,
-        outline: Outline::Rounded(0.026),
-        bands: &[band(1, 0.70, 0.84)],
         ..PLATE
     },
     Panel {
@@ -75,6 +60,22 @@ pub const PLATES: &[Panel] = &[
         ..PLATE
     },
 ];
+
+/// Plates on the ball of the shoulder, same coordinates.
+pub const SHOULDER: &[Panel] = &[Panel {
+    joint: "leftUpperArm",
+    chart: ARM,
+    left: &[-58.0, -84.0, -76.0],
+    right: &[58.0, 84.0, 76.0],
+    bottom: &[0.184, 0.166, 0.152, 0.166, 0.184],
+    top: &[0.266, 0.288, 0.296, 0.288, 0.266],
+    cells: [8, 4],
+    height: 0.009,
+    dome: 0.002,
+    outline: Outline::Rounded(0.026),
+    bands: &[band(1, 0.70, 0.84)],
+    ..PLATE
+}];
 
 /// Plates on the glove, same coordinates.
 pub const GLOVE: &[Panel] = &[Panel {

@@ -57,10 +57,11 @@ const fn band(axis: usize, from: f32, to: f32) -> Band {
 pub fn hard() -> Vec<(Material, Mesh)> {
     let fingers = hand::fingers();
     let glove = |p: Vec3| hand::glove(p, &fingers);
-    let groups: [(&[Panel], &dyn Fn(Vec3) -> f32); 6] = [
+    let groups: [(&[Panel], &dyn Fn(Vec3) -> f32); 7] = [
         (trunk::PLATES, &body::undersuit),
         (leg::PLATES, &body::undersuit),
         (arm::PLATES, &body::undersuit),
+        (arm::SHOULDER, &body::shoulder),
         (arm::GLOVE, &glove),
         (head::PLATES, &helmet::helmet),
         (foot::PLATES, &boot::boot),
