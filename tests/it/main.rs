@@ -1,6 +1,7 @@
 //! All integration tests in one binary, since each one links for seconds.
 
 mod character_file;
+mod clips;
 mod gltf_file;
 mod layers;
 mod mannequin;

@@ -42,19 +42,16 @@ pub fn wave(phase: f64, cycles: f64, peak: f64, amplitude: f64) -> f64 {
     amplitude * (TAU * cycles * (phase - peak)).cos()
 }
 
-/// A cubic spline with continuous second derivative through its knots.
-///
-/// Outside the knots a clamped spline keeps its end values; a periodic one repeats.
+/// A cubic spline through its knots; outside of them it keeps its end values.
 #[derive(Clone, Debug)]
 pub struct Spline {
     x: Vec<f64>,
     y: Vec<f64>,
     slope: Vec<f64>,
-    periodic: bool,
 }
 
 impl Spline {
-    /// Through `knots` (x ascending), with the given slopes at both ends.
+    /// Through `knots` (x ascending) with continuous second derivative and the given slopes at both ends.
     #[must_use]
     pub fn clamped(knots: &[(f64, f64)], first_slope: f64, last_slope: f64) -> Self {
         let n = knots.len();
@@ -71,25 +68,27 @@ impl Spline {
             );
         }
         let slope = solve(matrix);
-        Self { x, y, slope, periodic: false }
+        Self { x, y, slope }
     }
 
-    /// Through `knots` (x ascending), repeating after `period`; the first knot isn't repeated at the end.
+    /// Through `knots` (x ascending), at rest at both ends and level at turning points, so that it never overshoots a
+    /// knot; its second derivative jumps at knots.
     #[must_use]
-    pub fn periodic(knots: &[(f64, f64)], period: f64) -> Self {
-        let n = knots.len();
-        let (mut x, mut y): (Vec<f64>, Vec<f64>) = knots.iter().copied().unzip();
-        x.push(x[0] + period);
-        y.push(y[0]);
-        let mut matrix = vec![vec![0.0; n + 1]; n];
-        for i in 0..n {
-            let before = (i + n - 1) % n;
-            let widths = [x[before + 1] - x[before], x[i + 1] - x[i]];
-            smooth_row(&mut matrix[i], [before, i, (i + 1) % n], widths, [y[before], y[i], y[i + 1]]);
-        }
-        let mut slope = solve(matrix);
-        slope.push(slope[0]);
-        Self { x, y, slope, periodic: true }
+    pub fn level(knots: &[(f64, f64)]) -> Self {
+        let (x, y): (Vec<f64>, Vec<f64>) = knots.iter().copied().unzip();
+        let n = x.len();
+        let rise = |i: usize| (y[i + 1] - y[i]) / (x[i + 1] - x[i]);
+        let slope = (0..n)
+            .map(|i| {
+                if i == 0 || i == n - 1 || rise(i - 1) * rise(i) <= 0.0 {
+                    return 0.0;
+                }
+                let (before, after) = (x[i] - x[i - 1], x[i + 1] - x[i]);
+                let (a, b) = (2.0 * after + before, after + 2.0 * before);
+                (a + b) / (a / rise(i - 1) + b / rise(i))
+            })
+            .collect();
+        Self { x, y, slope }
     }
 
     /// `x` a whole turn later where the knots reach that far (a curve that begins late in a stride and ends in the next).
@@ -103,8 +102,7 @@ impl Spline {
     pub fn at(&self, x: f64) -> f64 {
         let last = self.x.len() - 1;
         let (first_x, last_x) = (self.x[0], self.x[last]);
-        let x =
-            if self.periodic { first_x + (x - first_x).rem_euclid(last_x - first_x) } else { x.clamp(first_x, last_x) };
+        let x = x.clamp(first_x, last_x);
         let i = self.x[1..last].partition_point(|&knot| knot <= x);
         let width = self.x[i + 1] - self.x[i];
         let t = (x - self.x[i]) / width;

@@ -36,7 +36,7 @@ fn arm(time: f64, side: usize) -> Arm {
     let drift = wave(phase, 1.0, 0.35 + 0.3 * one, 1.0) + wave(phase, 3.0, 0.1 + 0.2 * one, 0.4);
     Arm {
         flex: -5.0 + 3.0 * one + 1.1 * drift,
-        abduct: 9.0 + 0.9 * full - 0.4 * drift,
+        abduct: 10.5 + 0.9 * full - 0.4 * drift,
         inward: 14.0 - 3.0 * one + 0.8 * drift,
         elbow: 17.0 + 4.0 * one + 1.2 * drift + 0.8 * full,
         pronate: 24.0 + 4.0 * one,

@@ -3,17 +3,21 @@
 //! All in the file's model space (metres, +Y up, facing +Z, left +X) and in place: the root stays, feet in stance run
 //! backward at exactly the clip's speed.
 
+mod air;
 mod body;
 mod crouch;
 mod curves;
 mod foot_path;
 mod gait;
+mod greet;
 mod idle;
+mod keyed;
 mod leg;
 mod record;
 mod run;
 mod sidle;
 mod sprint;
+mod turning;
 mod walk;
 
 use super::clip::Clip;
@@ -31,5 +35,12 @@ pub fn all() -> Vec<Clip> {
         sidle::back().clip(),
         sidle::left().clip(),
         sidle::left().mirrored_clip("strafe_right"),
+        air::jump(),
+        air::fall(),
+        air::land_light(),
+        air::land_hard(),
+        turning::left(),
+        turning::right(),
+        greet::clip(),
     ]
 }

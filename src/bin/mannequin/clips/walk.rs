@@ -82,7 +82,7 @@ fn stride() -> Stride {
     Stride {
         period: PERIOD,
         travel: DVec3::Z * SPEED,
-        toe_off: 0.59,
+        toe_off: 38.0 / 64.0,
         tip_off,
         placement: DVec3::new(0.052, rest("leftFoot").y, 0.325),
         toe_out: 6.0,
