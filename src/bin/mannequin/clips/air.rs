@@ -1,7 +1,7 @@
 //! `jump`, `fall`, `land_light`, `land_hard`: off the ground and back.
 //!
 //! The game moves the root: it leaves the ground at once when a jump begins, so the clip starts in the push-off. Landings
-//! start at touch-down and come to stand on the feet of `idle`, which do not move from then on. Shapes after GAIT §2.7.
+//! start at touch-down and come to stand on the feet of `idle`, which do not move from then on.
 
 use super::super::clip::Clip;
 use super::body::Figure;

@@ -1,6 +1,4 @@
 //! `crouch_idle` and `crouch_walk` (1.0 m/s): hips low, trunk forward, arms ready before the body.
-//!
-//! Heights and angles after GAIT §2.7.
 
 use super::super::clip::Clip;
 use super::body::{Arm, Figure, turn};

@@ -126,10 +126,12 @@ fn smooth_row(row: &mut [f64], [before, here, after]: [usize; 3], [left, right]:
 fn solve(mut matrix: Vec<Vec<f64>>) -> Vec<f64> {
     let n = matrix.len();
     for pivot in 0..n {
-        for row in pivot + 1..n {
-            let factor = matrix[row][pivot] / matrix[pivot][pivot];
-            for column in pivot..=n {
-                matrix[row][column] -= factor * matrix[pivot][column];
+        let (above, below) = matrix.split_at_mut(pivot + 1);
+        let source = &above[pivot];
+        for row in below {
+            let factor = row[pivot] / source[pivot];
+            for (value, pivot_value) in row.iter_mut().zip(source) {
+                *value -= factor * pivot_value;
             }
         }
     }

@@ -88,7 +88,6 @@ pub struct SwingAngles {
 
 impl SwingAngles {
     /// Ankle of the left leg below the moving hip, by phase.
-    #[must_use]
     pub fn below(self, trunk: fn(f64) -> Trunk) -> impl Fn(f64) -> DVec3 {
         let thigh_length = (rest("leftLowerLeg") - rest("leftUpperLeg")).length();
         let shank_length = (rest("leftFoot") - rest("leftLowerLeg")).length();

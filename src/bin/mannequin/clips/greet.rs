@@ -29,8 +29,8 @@ fn figure(time: f64) -> Figure {
         protract: mix(low.protract, 4.0, raised),
     };
     Figure {
-        thorax: turn(2.5 * raised, -1.0 * raised, -2.2 * raised - 0.5 * beat(0.0)) * stand.thorax,
-        head: turn(1.5 * raised, -1.0 * raised, 3.0 * raised) * stand.head,
+        thorax: turn(2.5 * raised, -raised, -2.2 * raised - 0.5 * beat(0.0)) * stand.thorax,
+        head: turn(1.5 * raised, -raised, 3.0 * raised) * stand.head,
         arms: [stand.arms[0], arm],
         ..stand
     }

@@ -1,6 +1,6 @@
 //! `idle`: standing at ease, breathing, weight drifting from leg to leg over feet that stay where they are.
 //!
-//! Breathing 15 a minute, sway of a few millimetres below 0.5 Hz, weight shift once each way (GAIT §2.5).
+//! Breathing 15 a minute, sway of a few millimetres below 0.5 Hz, weight shift once each way.
 
 use super::super::clip::Clip;
 use super::body::{Arm, Figure, turn};
@@ -61,7 +61,7 @@ pub fn figure(time: f64) -> Figure {
         rest("hips").y - 0.0165 + 0.0006 * full - 0.001 * weight * weight,
         0.016 + sway_ahead,
     );
-    let pelvis = turn(-1.0 * weight + 2.0, 2.5 + wave(phase, 1.0, 0.8, 0.3), 1.1 * weight);
+    let pelvis = turn(2.0 - weight, 2.5 + wave(phase, 1.0, 0.8, 0.3), 1.1 * weight);
     let thorax = turn(
         1.2 + 0.5 * weight + wave(phase, 2.0, 0.45, 0.4),
         0.5 - 1.3 * full + 60.0 * sway_ahead,

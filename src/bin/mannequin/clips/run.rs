@@ -1,7 +1,7 @@
 //! `run`: 3.5 m/s, on the midfoot, with flight after each step.
 //!
-//! Joint angles after the mean of 27 recorded strides at 3.96 m/s (GAIT S3, OpenSim subject02), written as Fourier series
-//! and scaled to this speed.
+//! Fourier series of the mean of 27 strides at 3.96 m/s draw it (Hamner et al. 2010, subject 2 of the `OpenSim` running
+//! models), at this speed's timing. Stance is not theirs: the foot rolls on exact contact points and the leg follows.
 
 use super::body::{Arm, turn};
 use super::curves::{Fourier, Spline, wave};

@@ -1,6 +1,6 @@
 //! `walk_back` (1.1 m/s), `strafe_left` and `strafe_right` (1.2 m/s): going one way while facing another.
 //!
-//! Backward, the ball lands first and the heel leaves last; sideways, the feet close and open and never cross (GAIT §2.7).
+//! Backward, the ball lands first and the heel leaves last; sideways, the feet close and open and never cross.
 
 use super::body::{Arm, turn};
 use super::curves::{Spline, wave};

