@@ -78,18 +78,35 @@ pub const SHOULDER: &[Panel] = &[Panel {
 }];
 
 /// Plates on the glove, same coordinates.
-pub const GLOVE: &[Panel] = &[Panel {
-    joint: "leftHand",
-    chart: ARM,
-    left: &[-58.0, -66.0],
-    right: &[50.0, 64.0],
-    bottom: &[0.782, 0.776, 0.782],
-    top: &[0.830, 0.838, 0.834],
-    cells: [4, 3],
-    height: 0.005,
-    bevel: 0.002,
-    outline: Outline::Rounded(0.010),
-    color: SHADE,
-    bands: &[super::Band { axis: 1, from: 0.10, to: 0.26, color: ORANGE }],
-    ..PLATE
-}];
+pub const GLOVE: &[Panel] = &[
+    // A hoop around the wrist: it turns with the hand and hides how skin thins when the hand twists.
+    Panel {
+        joint: "leftHand",
+        chart: ARM,
+        left: &[0.0],
+        right: &[360.0],
+        bottom: &[0.741],
+        top: &[0.758],
+        cells: [12, 1],
+        height: 0.003,
+        bevel: 0.002,
+        outline: Outline::Ring,
+        color: GRAPHITE,
+        ..PLATE
+    },
+    Panel {
+        joint: "leftHand",
+        chart: ARM,
+        left: &[-58.0, -66.0],
+        right: &[50.0, 64.0],
+        bottom: &[0.782, 0.776, 0.782],
+        top: &[0.830, 0.838, 0.834],
+        cells: [4, 3],
+        height: 0.005,
+        bevel: 0.002,
+        outline: Outline::Rounded(0.010),
+        color: SHADE,
+        bands: &[super::Band { axis: 1, from: 0.10, to: 0.26, color: ORANGE }],
+        ..PLATE
+    },
+];
