@@ -2,6 +2,7 @@
 //! loops that close, and a gait that is a person's.
 
 mod body;
+mod standing;
 
 use body::{Body, Clip, Posed, SIDES};
 use glam::{Quat, Vec3};
@@ -63,16 +64,17 @@ fn a_point_of_the_sole_that_stands_does_not_move_over_the_ground() {
         let step = clip.step();
         let soles: Vec<[Vec3; 3]> = poses(body, clip).iter().map(|pose| pose.sole(side)).collect();
         for point in 0..3 {
+            let path: Vec<Vec3> = soles.iter().map(|sole| sole[point]).collect();
             let mut landed: Option<Vec3> = None;
             // Twice round, so that a stance over the seam counts too.
             for i in 0..2 * clip.last() {
-                let (key, here) = (i % clip.last(), soles[i % clip.last()][point]);
+                let (key, here) = (i % clip.last(), path[i % clip.last()]);
                 let on_ground = flat(here) + gait.travel * (i as f32 * step);
                 landed = (here.y < STANDS).then(|| landed.unwrap_or(on_ground));
                 let Some(landed) = landed else { continue };
                 let slip = landed.distance(on_ground) * 1000.0;
                 assert!(slip < 0.1, "{} {} point {point} slipped {slip:.3} mm by key {key}", gait.name, SIDES[side]);
-                if soles[key + 1][point].y >= STANDS {
+                if path[key + 1].y >= STANDS {
                     continue;
                 }
                 for part in [0.25, 0.5, 0.75] {
@@ -259,47 +261,5 @@ fn arms_swing_against_legs_and_the_head_stays_level() {
         let tilt = poses.iter().map(|pose| (pose.joint("head").1 * Vec3::Y).angle_between(Vec3::Y).to_degrees());
         let most = tilt.fold(0.0, f32::max);
         assert!(most < 6.0, "{name}: head tilts {most:.1}°");
-    }
-}
-
-#[test]
-fn standing_feet_stay_where_they_are() {
-    let body = Body::load();
-    for (name, from) in [("idle", 0.0), ("crouch_idle", 0.0), ("wave", 0.0), ("land_light", 0.12), ("land_hard", 0.8)] {
-        let clip = body.clip(name);
-        let first = (from / clip.step()).ceil() as usize;
-        for side in 0..2 {
-            let planted = body.key(clip, first).sole(side);
-            for key in first..=clip.last() {
-                let sole = body.key(clip, key).sole(side);
-                let moved = (0..3).map(|i| sole[i].distance(planted[i])).fold(0.0, f32::max) * 1000.0;
-                assert!(moved < 0.05, "{name} {}: sole moved {moved:.3} mm by key {key}", SIDES[side]);
-            }
-        }
-    }
-}
-
-#[test]
-fn feet_in_a_turn_stand_still_under_the_turning_root() {
-    let body = Body::load();
-    for (name, sign) in [("turn_left", 1.0_f32), ("turn_right", -1.0)] {
-        let clip = body.clip(name);
-        let root = |key: usize| {
-            let t = key as f32 / clip.last() as f32;
-            let eased = t * t * t * (t * (6.0 * t - 15.0) + 10.0);
-            Quat::from_rotation_y(sign * eased * core::f32::consts::FRAC_PI_2)
-        };
-        for side in 0..2 {
-            for key in 0..clip.last() {
-                let [here, next] = [key, key + 1].map(|key| body.key(clip, key).sole(side).map(|p| root(key) * p));
-                if here.iter().chain(&next).all(|point| point.y < STANDS) {
-                    let moved = (0..3).map(|i| here[i].distance(next[i])).fold(0.0, f32::max) * 1000.0;
-                    assert!(moved < 0.05, "{name} {}: sole moved {moved:.3} mm after key {key}", SIDES[side]);
-                }
-            }
-            let start = body.key(clip, 0).sole(side)[0];
-            let end = body.key(clip, clip.last()).sole(side)[0];
-            assert!(start.distance(end) < 1e-4, "{name} {}: ends {end}, began {start}", SIDES[side]);
-        }
     }
 }
