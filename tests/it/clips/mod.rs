@@ -5,7 +5,7 @@ mod body;
 mod standing;
 
 use body::{Body, Clip, Posed, SIDES};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// A clip that goes somewhere.
 struct Gait {
