@@ -5,4 +5,6 @@ mod clips;
 mod gltf_file;
 mod layers;
 mod mannequin;
+mod motion;
 mod rig;
+mod support;

@@ -1,6 +1,63 @@
 //! The controller: `MoveIntent` → a moved root and `MotionState`, on the fixed clock.
+//!
+//! Reads [`MoveIntent`], [`MotionConfig`] and avian's colliders; writes `Transform`, avian's `Position`, `Rotation` and
+//! `LinearVelocity`, and [`MotionState`]. World space; the root is the point on the ground between the feet.
+//!
+//! On the ground a capsule *above step height* slides along walls and a ball is lowered from it to find what bears the
+//! body; in the air the whole capsule flies. The root follows the ground under its middle, and steps of it smoothly.
 
+mod body;
+mod capsule;
+mod fly;
+mod footing;
+mod frame;
+mod jump;
+mod place;
+mod planes;
+mod report;
+mod slide;
+mod slope;
+mod space;
+mod speed;
+mod tick;
+mod turn;
+mod walk;
+
+use avian3d::prelude::{Collider, CollisionLayers, CustomPositionIntegration, RigidBody, SpatialQueryFilter};
+use avian3d::prelude::{SleepingDisabled, TransformInterpolation};
 use bevy::prelude::*;
+
+use super::{
+    intent::MoveIntent,
+    schedule::{MotionSystems, SchedulePlugin},
+};
+use crate::rig::tuning::motion::MotionConfig;
+use body::MotionBody;
+use capsule::MotionShapes;
+use space::{Space, View};
+use tick::Tick;
+
+/// A body that walks, jumps and stands: spawn this with a `Transform` for a controller without any animation.
+///
+/// Must be a root entity: its `Transform` is in world space. Steer it through [`MoveIntent`], tune it through
+/// [`MotionConfig`], read [`MotionState`]. Its `CollisionLayers`, if any, decide what it collides with; move its
+/// `Transform` to teleport it.
+#[derive(Component, Reflect, Clone, Copy, Debug, Default)]
+#[reflect(Component)]
+#[require(
+    Transform,
+    MoveIntent,
+    MotionConfig,
+    MotionState,
+    MotionBody,
+    MotionShapes,
+    RigidBody::Kinematic,
+    Collider = MotionShapes::default().standing.whole,
+    CustomPositionIntegration,
+    SleepingDisabled,
+    TransformInterpolation
+)]
+pub struct CharacterMotion;
 
 /// What the controller did. World space; written once per fixed tick.
 #[derive(Component, Reflect, Clone, Debug, Default)]
@@ -10,13 +67,17 @@ pub struct MotionState {
     pub velocity: Vec3,
     /// Velocity relative to the ground the character stands on, m/s.
     pub ground_velocity: Vec3,
-    /// The ground under the capsule; `None` in the air.
+    /// The ground under the capsule; `None` in the air and on ground too steep to stand on.
     pub ground: Option<Ground>,
     /// Turn rate of the root about +Y in rad/s.
     pub yaw_rate: f32,
     /// Seconds since the character last stood on ground; 0 when grounded.
     pub air_time: f32,
-    /// Sum of all vertical jumps of the root by step-up, step-down and snapping, metres.
+    /// Speed of the last landing, downward, m/s.
+    pub landing_speed: f32,
+    /// Whether the capsule is crouched; stays so under a ceiling too low to stand up.
+    pub crouched: bool,
+    /// Sum of all vertical ways of the root by step-up, step-down and snapping, metres.
     ///
     /// A frame's difference tells the pelvis what to take out, so that the body doesn't pop.
     pub stepped: f32,
@@ -33,4 +94,62 @@ pub struct Ground {
     pub normal: Vec3,
     /// World velocity of the ground at the contact, m/s.
     pub velocity: Vec3,
+}
+
+/// Moves every [`CharacterMotion`] in [`MotionSystems::Move`]. Needs avian's `PhysicsPlugins`.
+pub struct MotionPlugin;
+
+impl Plugin for MotionPlugin {
+    fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<SchedulePlugin>() {
+            app.add_plugins(SchedulePlugin);
+        }
+        app.add_systems(
+            FixedUpdate,
+            (place::build_shapes, move_characters, place::place_roots, place::push_bodies)
+                .chain()
+                .in_set(MotionSystems::Move),
+        );
+    }
+}
+
+/// Every character moves in the world as the last physics step left it, so their order doesn't matter.
+fn move_characters(
+    space: Space,
+    time: Res<Time>,
+    mut characters: Query<(
+        Entity,
+        &MoveIntent,
+        &MotionConfig,
+        &MotionShapes,
+        &Transform,
+        Option<&CollisionLayers>,
+        &mut MotionBody,
+        &mut MotionState,
+    )>,
+) {
+    let (space, dt) = (&space, time.delta_secs());
+    if dt <= 0.0 {
+        return;
+    }
+    characters.par_iter_mut().for_each(
+        |(me, intent, config, shapes, transform, layers, mut body, mut state)| {
+            if !intent.is_sound() {
+                warn_once!("the MoveIntent of character {me} is not finite: {intent:?}; it counts as zero");
+            }
+            let filter = layers.map_or_else(SpatialQueryFilter::default, |layers| {
+                SpatialQueryFilter::from_mask(layers.filters)
+            });
+            let top_speed = if body.crouched { config.crouch_speed } else { config.sprint_speed };
+            let tick = Tick {
+                view: View { space, me, filter },
+                config,
+                shapes,
+                intent: intent.sanitised(top_speed),
+                transform,
+                dt,
+            };
+            tick.run(&mut body, &mut state);
+        },
+    );
 }

@@ -4,7 +4,9 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// How the controller moves a character.
-#[derive(Component, Reflect, Clone, Debug, Serialize, Deserialize)]
+///
+/// Lengths are for a person of 1.8 m; [`scaled`](Self::scaled) gives those of a smaller or larger one.
+#[derive(Component, Reflect, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotionConfig {
@@ -12,10 +14,181 @@ pub struct MotionConfig {
     pub walk_speed: f32,
     /// Running speed in m/s. Default 3.5.
     pub run_speed: f32,
+    /// Fastest speed on the ground, m/s; faster intents are cut to it. Default 6.
+    pub sprint_speed: f32,
+    /// Fastest speed while crouched, m/s. Default 1.2.
+    pub crouch_speed: f32,
+    /// Rate at which speed grows, m/s². Default 8.
+    ///
+    /// Small: heavy and late. Large: the body darts off before the legs can follow.
+    pub acceleration: f32,
+    /// Rate at which speed falls to a slower one, m/s². Default 12.
+    pub braking: f32,
+    /// Rate while the wanted direction points backward, m/s². Default 16.
+    pub reversal: f32,
+    /// Rate at which the intent steers in the air, m/s². Default 3.
+    pub air_acceleration: f32,
+    /// Half-life of the turn toward the facing, seconds. Default 0.07.
+    pub turn_half_life: f32,
+    /// Fastest turn, degrees per second in RON. Default 720°.
+    #[serde(with = "super::degrees")]
+    pub turn_rate: f32,
+    /// Radius of the capsule, metres. Default 0.28.
+    pub radius: f32,
+    /// Height of the capsule from the ground to its top, metres. Default 1.8.
+    pub height: f32,
+    /// Height while crouched, metres. Default 1.2.
+    pub crouch_height: f32,
+    /// Steepest ground to walk on, degrees in RON. Default 45°. Steeper ground is slid down.
+    #[serde(with = "super::degrees")]
+    pub slope_limit: f32,
+    /// Highest step climbed without a jump, metres. Default 0.35.
+    pub step_up: f32,
+    /// Deepest step walked down without a fall, metres. Default 0.35.
+    pub step_down: f32,
+    /// Half-life in which the root follows a step of the ground, seconds. Default 0.05.
+    ///
+    /// Short: the root jumps with every stair. Long: it lags behind the stairs.
+    pub step_half_life: f32,
+    /// Downward acceleration in the air, m/s². Default 14.
+    pub gravity: f32,
+    /// Fastest fall, m/s. Default 50.
+    pub fall_speed: f32,
+    /// Height of a jump with the button held, metres. Default 0.9.
+    pub jump_height: f32,
+    /// Height of a jump with the button only tapped, metres. Default 0.4.
+    pub jump_tap_height: f32,
+    /// Seconds after leaving a ledge in which a jump still counts. Default 0.12.
+    pub jump_coyote: f32,
+    /// Seconds before landing from which a press of the button still counts. Default 0.15.
+    pub jump_buffer: f32,
+    /// Mass with which the character weighs on dynamic bodies, kg. Default 75.
+    pub mass: f32,
+    /// Greatest force with which it pushes dynamic bodies, N. Default 600.
+    ///
+    /// Small: crates stop it like walls. Large: it shoves whatever stands there.
+    pub push_force: f32,
 }
 
 impl Default for MotionConfig {
     fn default() -> Self {
-        Self { walk_speed: 1.4, run_speed: 3.5 }
+        Self {
+            walk_speed: 1.4,
+            run_speed: 3.5,
+            sprint_speed: 6.0,
+            crouch_speed: 1.2,
+            acceleration: 8.0,
+            braking: 12.0,
+            reversal: 16.0,
+            air_acceleration: 3.0,
+            turn_half_life: 0.07,
+            turn_rate: 720f32.to_radians(),
+            radius: 0.28,
+            height: 1.8,
+            crouch_height: 1.2,
+            slope_limit: 45f32.to_radians(),
+            step_up: 0.35,
+            step_down: 0.35,
+            step_half_life: 0.05,
+            gravity: 14.0,
+            fall_speed: 50.0,
+            jump_height: 0.9,
+            jump_tap_height: 0.4,
+            jump_coyote: 0.12,
+            jump_buffer: 0.15,
+            mass: 75.0,
+            push_force: 600.0,
+        }
+    }
+}
+
+impl MotionConfig {
+    /// The first field that is out of range, and what would be valid; `None` when all is well.
+    #[must_use]
+    pub fn problem(&self) -> Option<String> {
+        let at_least_zero = [
+            ("walk_speed", self.walk_speed),
+            ("run_speed", self.run_speed),
+            ("sprint_speed", self.sprint_speed),
+            ("crouch_speed", self.crouch_speed),
+            ("acceleration", self.acceleration),
+            ("braking", self.braking),
+            ("reversal", self.reversal),
+            ("air_acceleration", self.air_acceleration),
+            ("turn_half_life", self.turn_half_life),
+            ("turn_rate", self.turn_rate),
+            ("step_up", self.step_up),
+            ("step_down", self.step_down),
+            ("step_half_life", self.step_half_life),
+            ("gravity", self.gravity),
+            ("fall_speed", self.fall_speed),
+            ("jump_height", self.jump_height),
+            ("jump_coyote", self.jump_coyote),
+            ("jump_buffer", self.jump_buffer),
+            ("mass", self.mass),
+            ("push_force", self.push_force),
+        ];
+        if let Some((name, value)) = at_least_zero.into_iter().find(|(_, value)| !(0.0..1e6).contains(value)) {
+            return Some(format!("{name} is {value}; valid is a number from 0 up"));
+        }
+        let bounded = [
+            ("radius", self.radius, 0.02, 10.0),
+            ("height", self.height, 2.0 * self.radius, 100.0),
+            ("crouch_height", self.crouch_height, 2.0 * self.radius, self.height),
+            ("slope_limit, in degrees,", self.slope_limit.to_degrees(), 0.0, 85.0),
+            ("jump_tap_height", self.jump_tap_height, 0.0, self.jump_height),
+            ("step_up", self.step_up, 0.0, self.crouch_height - 2.0 * self.radius),
+        ];
+        bounded.into_iter().find(|&(_, value, least, most)| !(value >= least && value <= most)).map(
+            |(name, value, least, most)| format!("{name} is {value}; valid is {least} to {most}"),
+        )
+    }
+
+    /// The same config for a body `scale` times as tall: lengths and speeds scale, times and angles stay.
+    #[must_use]
+    pub fn scaled(&self, scale: f32) -> Self {
+        let of = |length: f32| length * scale;
+        Self {
+            walk_speed: of(self.walk_speed),
+            run_speed: of(self.run_speed),
+            sprint_speed: of(self.sprint_speed),
+            crouch_speed: of(self.crouch_speed),
+            acceleration: of(self.acceleration),
+            braking: of(self.braking),
+            reversal: of(self.reversal),
+            air_acceleration: of(self.air_acceleration),
+            radius: of(self.radius),
+            height: of(self.height),
+            crouch_height: of(self.crouch_height),
+            step_up: of(self.step_up),
+            step_down: of(self.step_down),
+            jump_height: of(self.jump_height),
+            jump_tap_height: of(self.jump_tap_height),
+            mass: self.mass * scale * scale * scale,
+            push_force: self.push_force * scale * scale * scale,
+            ..self.clone()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_is_valid() {
+        assert_eq!(MotionConfig::default().problem(), None);
+        assert_eq!(MotionConfig::default().scaled(0.5).problem(), None);
+        assert_eq!(MotionConfig::default().scaled(1.7).problem(), None);
+    }
+
+    #[test]
+    fn a_bad_field_is_named_with_what_would_be_valid() {
+        let narrow = MotionConfig { crouch_height: 0.1, ..default() };
+        let problem = narrow.problem().unwrap_or_default();
+        assert!(problem.contains("crouch_height is 0.1; valid is 0.56 to 1.8"), "{problem}");
+        let unnumbered = MotionConfig { gravity: f32::NAN, ..default() };
+        let problem = unnumbered.problem().unwrap_or_default();
+        assert!(problem.contains("gravity is NaN"), "{problem}");
     }
 }

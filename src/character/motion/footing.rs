@@ -1,0 +1,171 @@
+//! What lies under the body: ground, a step, a wall's foot, or nothing. World space, metres.
+//!
+//! A ball is lowered from step height. It finds the highest thing below and rounds off edges; a ray
+//! down the middle finds the surface itself, exactly.
+
+use bevy::prelude::*;
+
+use super::{
+    capsule::MotionShapes,
+    slope::{as_wall, hover, walkable},
+    space::{Floor, Hit, View},
+};
+
+/// Most in metres that the ball's cast and the ray's may disagree about one surface.
+const AGREE: f32 = 0.005;
+
+/// How far in metres a wall's foot may lift the ball before the wall counts.
+const NUDGE: f32 = 0.003;
+
+/// Ways into an obstacle, metres, at which its top is looked for: the edge itself, then over a blunt shoulder.
+const INTO: [f32; 3] = [0.02, 0.1, 0.25];
+
+/// Ground that bears the body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Support {
+    /// Height of the capsule's lowest point.
+    pub(super) height: f32,
+    /// Height at which the root stands.
+    pub(super) level: f32,
+    pub(super) collider: Entity,
+    /// Normal of the surface under the root.
+    pub(super) normal: Vec3,
+    /// Where the ball touches.
+    pub(super) point: Vec3,
+}
+
+/// What a look below finds.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Footing {
+    /// Ground to stand on.
+    Support(Support),
+    /// Steep ground that rises: a wall for one who walks.
+    Wall {
+        /// Horizontal unit normal.
+        normal: Vec3,
+        /// Metres along the normal to where the wall's foot ends; infinite where it doesn't.
+        back: f32,
+    },
+    /// Steep ground that falls away, or the edge of a cliff.
+    Slip(Support),
+    /// Nothing within reach.
+    Air,
+}
+
+/// How to look for ground.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look {
+    /// Metres above the body's lowest point from where the ball is lowered.
+    pub(super) up: f32,
+    /// Metres below the body's lowest point to where.
+    pub(super) down: f32,
+    /// Cosine of the steepest slope.
+    pub(super) limit_cos: f32,
+}
+
+/// Looks for ground under a body whose lowest point is `at`.
+pub(super) fn footing(view: &View, shapes: &MotionShapes, at: Vec3, look: Look) -> Footing {
+    let radius = shapes.foot_radius;
+    let centre = at + Vec3::Y * (look.up + shapes.radius);
+    let lift = shapes.radius - radius;
+    let Some(hit) = view.lower(&shapes.foot, centre, look.up + lift + look.down) else {
+        return Footing::Air;
+    };
+    let height = centre.y - hit.distance - radius;
+    let stands = walkable(hit.normal, look.limit_cos);
+    let deepest = look.down + hover(radius, Vec3::Y * look.limit_cos);
+    let start = Vec3::new(at.x, at.y + look.up + lift, at.z);
+    let floor = view
+        .floor(start, Dir3::NEG_Y, look.up + lift + deepest)
+        .filter(|floor| walkable(floor.normal, look.limit_cos));
+    let steepest = if stands { hit.normal } else { Vec3::Y * look.limit_cos };
+    let level = level(height, hit.point.y, hover(radius, steepest), floor);
+    let near = floor.filter(|floor| (floor.height - level).abs() < 0.02);
+    let support = Support {
+        height,
+        level,
+        collider: near.map_or(hit.collider, |floor| floor.collider),
+        normal: floor.map_or(if stands { hit.normal } else { Vec3::Y }, |floor| floor.normal),
+        point: hit.point,
+    };
+    if stands {
+        return Footing::Support(support);
+    }
+    steep(view, shapes, at, look, &hit, support, floor)
+}
+
+/// The height of the root between what the ball and the ray found.
+///
+/// On a plane, and where slopes meet, that is the surface under the middle. Over an edge it is what the ball, rolling
+/// over it, would have under it; with nothing below, the edge itself.
+fn level(ball: f32, contact: f32, hover: f32, floor: Option<Floor>) -> f32 {
+    let (lowest, highest) = (ball - hover - AGREE, contact.max(ball) + AGREE);
+    floor.map_or(contact.max(ball), |floor| floor.height.clamp(lowest, highest))
+}
+
+/// Sorts out a contact that is too steep to stand on by itself.
+fn steep(
+    view: &View,
+    shapes: &MotionShapes,
+    at: Vec3,
+    look: Look,
+    hit: &Hit,
+    support: Support,
+    floor: Option<Floor>,
+) -> Footing {
+    let normal = as_wall(hit.normal);
+    if has_top(view, at, look, hit, normal) {
+        // A step if there is ground below as well; else the edge of a cliff.
+        return if floor.is_some() { Footing::Support(support) } else { Footing::Slip(support) };
+    }
+    let slope = Vec3::new(hit.normal.x, 0.0, hit.normal.z).length();
+    let Some(floor) = floor else {
+        let climbs = support.height > at.y + 1e-3;
+        return if climbs { Footing::Wall { normal, back: f32::INFINITY } } else { Footing::Slip(support) };
+    };
+    let height = floor.height + hover(shapes.foot_radius, floor.normal);
+    let lifted = support.height - height;
+    if lifted <= NUDGE {
+        let level = floor.height;
+        return Footing::Support(Support { height, level, collider: floor.collider, ..support });
+    }
+    let back = if slope > 1e-3 { lifted * hit.normal.y.max(0.0) / slope } else { f32::INFINITY };
+    Footing::Wall { normal, back }
+}
+
+/// Whether the obstacle touched has a top to step on, no higher than the look began.
+fn has_top(view: &View, at: Vec3, look: Look, hit: &Hit, normal: Vec3) -> bool {
+    let above = at.y + look.up + 0.01;
+    if hit.point.y > above {
+        return false;
+    }
+    INTO.iter().any(|into| {
+        let from = Vec3::new(hit.point.x, above, hit.point.z) - normal * *into;
+        let reach = above - hit.point.y + 0.02;
+        view.floor(from, Dir3::NEG_Y, reach)
+            .is_some_and(|top| walkable(top.normal, look.limit_cos) && top.height < above - 1e-4)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn floor(height: f32) -> Option<Floor> {
+        Some(Floor { height, normal: Vec3::Y, collider: Entity::PLACEHOLDER })
+    }
+
+    #[test]
+    fn the_root_stands_on_the_surface_not_on_the_ball() {
+        let on_slope = level(0.04, 0.05, 0.04, floor(0.0));
+        assert!(on_slope.abs() < 1e-6, "stands {on_slope} m above a slope");
+    }
+
+    #[test]
+    fn the_root_does_not_drop_from_an_edge() {
+        let over_cliff = level(-0.05, 0.0, 0.03, None);
+        assert!(over_cliff.abs() < 1e-6, "dropped to {over_cliff} m");
+        let over_stair = level(-0.01, 0.0, 0.01, floor(-0.17));
+        assert!((-0.03..0.0).contains(&over_stair), "dropped to {over_stair} m");
+    }
+}

@@ -1,0 +1,228 @@
+//! What a character can ask of the world around it: sweeps, ground, bodies. World space, metres.
+//!
+//! Reads avian's colliders as the last physics step left them; writes nothing, so that characters can run in parallel.
+
+use avian3d::{
+    character_controller::move_and_slide::DepenetrationConfig,
+    prelude::{
+        AngularVelocity, Collider, ColliderOf, ComputedCenterOfMass, ComputedMass, CustomPositionIntegration,
+        LinearVelocity, MoveAndSlide, Position, RigidBody, Rotation, ShapeCastConfig, SpatialQueryFilter,
+    },
+};
+use bevy::{ecs::system::SystemParam, prelude::*};
+
+use super::{body::MotionBody, frame::Frame};
+
+/// Gap in metres that sweeps keep to what they hit, so that the next sweep starts in free space.
+pub(super) const SKIN: f32 = 0.01;
+
+/// Depth in metres up to which a body is pushed out of another; deeper contacts are taken for nonsense.
+const DEEPEST: f32 = 20.0;
+
+/// The world as all characters see it.
+#[derive(SystemParam)]
+pub(super) struct Space<'w, 's> {
+    casts: MoveAndSlide<'w, 's>,
+    owners: Query<'w, 's, &'static ColliderOf>,
+    kinds: Query<'w, 's, &'static RigidBody>,
+    bodies: Query<
+        'w,
+        's,
+        (
+            &'static RigidBody,
+            &'static Position,
+            &'static Rotation,
+            &'static LinearVelocity,
+            &'static AngularVelocity,
+            &'static ComputedCenterOfMass,
+            &'static ComputedMass,
+            Has<CustomPositionIntegration>,
+            Option<&'static Transform>,
+            Has<ChildOf>,
+        ),
+        Without<MotionBody>,
+    >,
+}
+
+/// The world as one character sees it: without itself, in its collision layers.
+pub(super) struct View<'a> {
+    pub(super) space: &'a Space<'a, 'a>,
+    pub(super) me: Entity,
+    pub(super) filter: SpatialQueryFilter,
+}
+
+/// What a sweep met.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hit {
+    /// Metres to go until it touches.
+    pub(super) distance: f32,
+    /// Metres to go until the skin is all that is left between.
+    pub(super) safe: f32,
+    /// Unit normal toward the character.
+    pub(super) normal: Vec3,
+    pub(super) point: Vec3,
+    pub(super) collider: Entity,
+}
+
+/// A surface below.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Floor {
+    pub(super) height: f32,
+    pub(super) normal: Vec3,
+    pub(super) collider: Entity,
+}
+
+/// The rigid body that a collider belongs to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GroundBody {
+    pub(super) entity: Entity,
+    /// Where the casts see it.
+    pub(super) now: Frame,
+    /// Where it will be when the tick ends, as far as can be known.
+    pub(super) next: Frame,
+    pub(super) dynamic: bool,
+    /// Mass in kg; infinite unless dynamic.
+    pub(super) mass: f32,
+}
+
+impl GroundBody {
+    /// Velocity of its point at `world` during this tick, m/s.
+    pub(super) fn velocity_at(&self, world: Vec3, dt: f32) -> Vec3 {
+        if dt <= 0.0 || self.now == self.next {
+            return Vec3::ZERO;
+        }
+        (self.next.world(self.now.local(world)) - world) / dt
+    }
+}
+
+impl View<'_> {
+    fn meets(&self, collider: Entity, without: Entity) -> bool {
+        // Sensors are not among these colliders.
+        self.space.casts.colliders.contains(collider)
+            && self.space.owners.get(collider).is_ok_and(|owner| owner.body != self.me && owner.body != without)
+    }
+
+    /// The first thing that `shape`, upright at `from`, meets on its `way`.
+    pub(super) fn sweep(&self, shape: &Collider, from: Vec3, way: Vec3) -> Option<Hit> {
+        self.sweep_without(shape, from, way, self.me)
+    }
+
+    /// [`sweep`](Self::sweep) that doesn't meet the body `without`.
+    pub(super) fn sweep_without(&self, shape: &Collider, from: Vec3, way: Vec3, without: Entity) -> Option<Hit> {
+        let (direction, length) = Dir3::new_and_length(way).ok()?;
+        let hit = self.space.casts.spatial_query.cast_shape_predicate(
+            shape,
+            from,
+            Quat::IDENTITY,
+            direction,
+            &ShapeCastConfig { ignore_origin_penetration: true, ..ShapeCastConfig::from_max_distance(length + SKIN) },
+            &self.filter,
+            &|collider| self.meets(collider, without),
+        )?;
+        // Grazing hits would ask for an endless pull back.
+        let toward = (-hit.normal1.dot(*direction)).max(0.005);
+        let safe = (hit.distance - SKIN / toward).clamp(0.0, length);
+        let normal = if hit.normal1.is_finite() { hit.normal1 } else { -*direction };
+        Some(Hit { distance: hit.distance, safe, normal, point: hit.point1, collider: hit.entity })
+    }
+
+    /// The first thing that a ball lowered from `centre` touches within `reach` metres.
+    pub(super) fn lower(&self, ball: &Collider, centre: Vec3, reach: f32) -> Option<Hit> {
+        let hit = self.space.casts.spatial_query.cast_shape_predicate(
+            ball,
+            centre,
+            Quat::IDENTITY,
+            Dir3::NEG_Y,
+            &ShapeCastConfig { ignore_origin_penetration: true, ..ShapeCastConfig::from_max_distance(reach) },
+            &self.filter,
+            &|collider| self.meets(collider, self.me),
+        )?;
+        let (distance, normal, point) = (hit.distance, hit.normal1, hit.point1);
+        (distance.is_finite() && normal.is_finite() && point.is_finite()).then_some(Hit {
+            distance,
+            safe: distance,
+            normal,
+            point,
+            collider: hit.entity,
+        })
+    }
+
+    /// The surface straight below (or above) `from`, within `reach` metres.
+    pub(super) fn floor(&self, from: Vec3, direction: Dir3, reach: f32) -> Option<Floor> {
+        let hit = self.space.casts.spatial_query.cast_ray_predicate(
+            from,
+            direction,
+            reach,
+            true,
+            &self.filter,
+            &|collider| self.meets(collider, self.me),
+        )?;
+        let height = from.y + direction.y * hit.distance;
+        (height.is_finite() && hit.normal.is_finite()).then_some(Floor {
+            height,
+            normal: hit.normal,
+            collider: hit.entity,
+        })
+    }
+
+    /// Whether a body that may move by itself is about the shape, and so may have moved into it.
+    pub(super) fn has_movers_near(&self, shape: &Collider, at: Vec3) -> bool {
+        let mut found = false;
+        let space = self.space;
+        space.casts.spatial_query.aabb_intersections_with_aabb_callback(shape.aabb(at, Quat::IDENTITY), |collider| {
+            found |= self.meets(collider, self.me)
+                && space.owners.get(collider).is_ok_and(|owner| {
+                    space.kinds.get(owner.body).is_ok_and(|kind| *kind != RigidBody::Static)
+                });
+            !found
+        });
+        found
+    }
+
+    /// The way out for a shape that may stand inside others; zero where it is free.
+    pub(super) fn way_out(&self, shape: &Collider, at: Vec3) -> Vec3 {
+        let mut contacts = Vec::new();
+        self.space.casts.intersections(shape, at, Quat::IDENTITY, 0.0, &self.filter, |collider, contact, normal| {
+            // Deeper than a hair: resting contacts are no reason to move.
+            if self.meets(collider, self.me) && contact.penetration > 1e-3 {
+                contacts.push((normal, contact.penetration));
+            }
+            true
+        });
+        if contacts.is_empty() {
+            return Vec3::ZERO;
+        }
+        let config =
+            DepenetrationConfig { penetration_rejection_threshold: DEEPEST, skin_width: 0.0, ..default() };
+        let out = self.space.casts.depenetrate_intersections(&config, &contacts);
+        if out.is_finite() { out } else { Vec3::ZERO }
+    }
+
+    /// The body of a collider; `None` for other characters and for what is gone.
+    pub(super) fn body(&self, collider: Entity, dt: f32) -> Option<GroundBody> {
+        let entity = self.space.owners.get(collider).ok()?.body;
+        self.body_by_id(entity, dt)
+    }
+
+    /// The body with this id; `None` for other characters and for what is gone.
+    pub(super) fn body_by_id(&self, entity: Entity, dt: f32) -> Option<GroundBody> {
+        let (kind, position, rotation, linear, angular, centre, mass, custom, transform, child) =
+            self.space.bodies.get(entity).ok()?;
+        let now = Frame { position: position.0, rotation: rotation.0 };
+        let steady = *kind != RigidBody::Static && !custom && (linear.0 != Vec3::ZERO || angular.0 != Vec3::ZERO);
+        let mut next = now;
+        if steady {
+            next = now.after(centre.0, linear.0, angular.0, dt);
+        } else if let (Some(transform), false) = (transform, child) {
+            // Moved by its transform earlier in this tick; the casts see it only after the physics step.
+            let moved = Frame { position: transform.translation, rotation: transform.rotation };
+            if !moved.is_near(&now) {
+                next = moved;
+            }
+        }
+        let dynamic = *kind == RigidBody::Dynamic;
+        let mass = if dynamic { mass.value() } else { f32::INFINITY };
+        let sound = next.position.is_finite() && next.rotation.is_finite();
+        Some(GroundBody { entity, now, next: if sound { next } else { now }, dynamic, mass })
+    }
+}

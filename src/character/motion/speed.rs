@@ -1,0 +1,73 @@
+//! How velocity follows what is wanted. Pure; horizontal vectors, m/s.
+
+use bevy::math::Vec3;
+
+/// How fast velocity may change, m/s².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpeedRates {
+    /// Toward a faster velocity.
+    pub accelerate: f32,
+    /// Toward a slower one.
+    pub brake: f32,
+    /// While the wanted velocity points backward.
+    pub reverse: f32,
+}
+
+/// `current` moved straight toward `wanted` for `dt` seconds; never beyond it.
+#[must_use]
+pub fn approach_velocity(current: Vec3, wanted: Vec3, rates: SpeedRates, dt: f32) -> Vec3 {
+    let way = wanted - current;
+    let distance = way.length();
+    let rate = if current.dot(wanted) < 0.0 {
+        rates.reverse
+    } else if wanted.length_squared() < current.length_squared() {
+        rates.brake
+    } else {
+        rates.accelerate
+    };
+    let step = (rate * dt).max(0.0);
+    if distance <= step { wanted } else { current + way * (step / distance) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const RATES: SpeedRates = SpeedRates { accelerate: 8.0, brake: 12.0, reverse: 16.0 };
+
+    /// Seconds until `fraction` of `speed` is reached from rest.
+    fn time_to(fraction: f32, speed: f32) -> f32 {
+        let (mut velocity, mut time, dt) = (Vec3::ZERO, 0.0, 1.0 / 64.0);
+        while velocity.length() < fraction * speed {
+            velocity = approach_velocity(velocity, Vec3::X * speed, RATES, dt);
+            time += dt;
+        }
+        time
+    }
+
+    #[test]
+    fn speed_arrives_in_time() {
+        for (speed, most_63, most_90) in [(1.4, 0.2, 0.4), (3.5, 0.35, 0.6)] {
+            let (to_63, to_90) = (time_to(0.63, speed), time_to(0.9, speed));
+            assert!(to_63 <= most_63 && to_90 <= most_90, "{speed} m/s: 63 % after {to_63} s, 90 % after {to_90} s");
+        }
+    }
+
+    #[test]
+    fn a_zero_rate_changes_nothing() {
+        let rates = SpeedRates { accelerate: 0.0, brake: 0.0, reverse: 0.0 };
+        assert_eq!(approach_velocity(Vec3::X, Vec3::Z, rates, 0.1), Vec3::X);
+    }
+
+    proptest! {
+        #[test]
+        fn velocity_never_overshoots(x in -9.0f32..9.0, z in -9.0f32..9.0, wx in -9.0f32..9.0, wz in -9.0f32..9.0, dt in 0.0f32..0.5) {
+            let (from, wanted) = (Vec3::new(x, 0.0, z), Vec3::new(wx, 0.0, wz));
+            let to = approach_velocity(from, wanted, RATES, dt);
+            let detour = from.distance(to) + to.distance(wanted) - from.distance(wanted);
+            prop_assert!(detour.abs() < 1e-4, "{detour} m/s of detour from {from} by {to} to {wanted}");
+            prop_assert!(from.distance(to) <= 16.0 * dt + 1e-4, "changed by {} in {dt} s", from.distance(to));
+        }
+    }
+}

@@ -1,0 +1,322 @@
+//! One character's tick, stage by stage: where it is, where it wants to go, how it gets there, what that was.
+
+use avian3d::prelude::Collider;
+use bevy::prelude::*;
+
+use super::{
+    MotionState,
+    body::{Anchor, MotionBody, Push, Written},
+    capsule::MotionShapes,
+    fly::{air_velocity, fly},
+    footing::Support,
+    jump::jump_speed,
+    planes::Planes,
+    report::{follow_ground, refuse_nonsense, report},
+    slide::Slider,
+    slope::limit_cos,
+    space::View,
+    speed::{SpeedRates, approach_velocity},
+    turn::{TurnRates, turn_toward},
+    walk::walk,
+};
+use crate::{
+    character::intent::MoveIntent,
+    math::{
+        rotation::{heading, twist_angle, wrap_angle},
+        spring::Spring,
+    },
+    rig::tuning::motion::MotionConfig,
+};
+
+/// A root moved by others less than this, in metres, was only rounded.
+const ROUNDING: f32 = 1e-3;
+
+/// A root moved by others this far, in metres, or pushed out of geometry this far, has teleported.
+const TELEPORT: f32 = 0.3;
+
+/// A platform that jumps further than this in a tick, in metres, leaves its riders behind.
+const LONGEST_RIDE: f32 = 3.0;
+
+/// Ticks after a teleport for which the body looks whether it stands in something.
+const RECHECKS: u8 = 2;
+
+/// Wanted speeds below this, in m/s, don't turn the body.
+const TURNING_SPEED: f32 = 0.1;
+
+/// All that a tick reads.
+pub(super) struct Tick<'a> {
+    pub(super) view: View<'a>,
+    pub(super) config: &'a MotionConfig,
+    pub(super) shapes: &'a MotionShapes,
+    pub(super) intent: MoveIntent,
+    pub(super) transform: &'a Transform,
+    pub(super) dt: f32,
+}
+
+impl Tick<'_> {
+    /// Moves the body for one tick and says what it did.
+    pub(super) fn run(&self, body: &mut MotionBody, state: &mut MotionState) {
+        body.pushes.clear();
+        self.take_up_root(body, state);
+        self.ride(body);
+        self.choose_posture(body);
+        self.get_unstuck(body, state);
+        self.turn(body);
+        let travelled = self.travel(body, state);
+        state.stepped += follow_ground(body, travelled, self.config, self.dt);
+        self.board(body);
+        refuse_nonsense(body, self.view.me);
+        report(body, state, self.dt);
+        body.written = Some(Written { translation: body.root(), yaw: body.yaw.value });
+    }
+
+    /// The shape that the body's next sweep is made with.
+    fn shape<'s>(&'s self, body: &MotionBody) -> &'s Collider {
+        let posture = self.shapes.posture(body.crouched);
+        if body.support.is_some() { &posture.raised } else { &posture.whole }
+    }
+
+    /// Notices a first tick, and a root that others moved or turned.
+    fn take_up_root(&self, body: &mut MotionBody, state: &mut MotionState) {
+        let translation = self.transform.translation;
+        let rotation = self.transform.rotation;
+        if !translation.is_finite() || !rotation.is_finite() {
+            // Someone wrote nonsense; the body knows better, and overwrites it when the tick ends.
+            warn_once!("the Transform of character {} is not finite; its last place is kept", self.view.me);
+            return;
+        }
+        let yaw = twist_angle(rotation, Vec3::Y);
+        let Some(written) = body.written else {
+            body.position = translation;
+            body.level = translation.y;
+            body.yaw = Spring::at(yaw);
+            return;
+        };
+        let moved = translation - written.translation;
+        if moved.length() > ROUNDING {
+            // The root is put where it was asked to be, and shall not glide there.
+            body.shift(moved);
+            if moved.length() > TELEPORT {
+                body.position.y = translation.y;
+                body.level = translation.y;
+                body.lag = Spring::at(0.0);
+                body.support = None;
+                body.anchor = None;
+                body.checks = RECHECKS;
+                state.teleports = state.teleports.wrapping_add(1);
+            }
+        }
+        if wrap_angle(yaw - written.yaw).abs() > 5e-3 {
+            body.yaw = Spring::at(yaw);
+        }
+    }
+
+    /// Goes along with ground that didn't do as expected, or that was moved since.
+    fn ride(&self, body: &mut MotionBody) {
+        let Some(anchor) = body.anchor.take() else {
+            return;
+        };
+        let Some(ground) = self.view.body_by_id(anchor.body, self.dt) else {
+            return;
+        };
+        if ground.now.is_near(&anchor.expected) {
+            return;
+        }
+        let way = ground.now.world(anchor.local) - body.position;
+        if way.length() < LONGEST_RIDE {
+            let way = self.clear_way(body, way, anchor.body);
+            body.shift(way);
+            body.yaw.value = wrap_angle(body.yaw.value + anchor.expected.yaw_to(&ground.now));
+        }
+    }
+
+    /// As much of a ride's way as nothing but the ground itself is in.
+    fn clear_way(&self, body: &MotionBody, way: Vec3, without: Entity) -> Vec3 {
+        let length = way.length();
+        match self.view.sweep_without(self.shape(body), body.position, way, without) {
+            Some(hit) if length > 1e-6 => way * (hit.safe / length),
+            _ => way,
+        }
+    }
+
+    /// Crouches at once; stands up where there is room to.
+    fn choose_posture(&self, body: &mut MotionBody) {
+        if self.intent.crouch == body.crouched {
+            return;
+        }
+        if self.intent.crouch {
+            body.crouched = true;
+            body.reshaped = true;
+            return;
+        }
+        let (low, high) = (&self.shapes.crouched, &self.shapes.standing);
+        let grow = Vec3::Y * (high.height - low.height);
+        let blocked = self.view.sweep(&low.raised, body.position, grow).is_some_and(|hit| hit.safe < grow.y);
+        body.crouched = blocked;
+        body.reshaped = !blocked;
+    }
+
+    /// Gets the body out of whatever it stands in.
+    fn get_unstuck(&self, body: &mut MotionBody, state: &mut MotionState) {
+        let shape = self.shape(body);
+        if body.checks == 0 && !self.view.has_movers_near(shape, body.position) {
+            return;
+        }
+        let mut out = Vec3::ZERO;
+        // Out of one thing may be into the next.
+        for _ in 0..4 {
+            let step = self.view.way_out(shape, body.position + out);
+            if step == Vec3::ZERO {
+                break;
+            }
+            out += step;
+        }
+        if body.checks > 0 && body.support.is_none() {
+            out += self.way_up(body, out);
+        }
+        body.checks = body.checks.saturating_sub(1);
+        if out == Vec3::ZERO {
+            return;
+        }
+        body.shift(out);
+        if out.length() > TELEPORT {
+            body.lag = Spring::at(0.0);
+            body.support = None;
+            state.teleports = state.teleports.wrapping_add(1);
+        }
+    }
+
+    /// The way up to the surface for a body that began below the ground: nothing below, something above.
+    fn way_up(&self, body: &MotionBody, out: Vec3) -> Vec3 {
+        const FAR: f32 = 1000.0;
+        let at = body.position + out;
+        let start = at + Vec3::Y * self.shapes.step_up;
+        if self.view.floor(start, Dir3::NEG_Y, FAR).is_some() {
+            return Vec3::ZERO;
+        }
+        let above = self.view.floor(start, Dir3::Y, FAR);
+        above.map_or(Vec3::ZERO, |above| Vec3::Y * (above.height + 0.01 - at.y))
+    }
+
+    fn turn(&self, body: &mut MotionBody) {
+        let wanted = self.intent.facing.unwrap_or(self.intent.velocity);
+        let flat = Vec3::new(wanted.x, 0.0, wanted.z);
+        let least = if self.intent.facing.is_some() { 1e-6 } else { TURNING_SPEED };
+        let goal = if flat.length() > least { heading(flat) } else { body.yaw.value };
+        let rates = TurnRates { half_life: self.config.turn_half_life, most: self.config.turn_rate };
+        body.yaw = turn_toward(body.yaw, goal, rates, self.dt);
+    }
+
+    /// Walks, jumps or flies.
+    fn travel(&self, body: &mut MotionBody, state: &mut MotionState) -> Travelled {
+        let (dt, config) = (self.dt, self.config);
+        let (from, before) = (body.position, body.support);
+        let jumps = body.jump.jumps(self.intent.jump, before.is_some(), config, dt);
+        let mut slider = Slider {
+            view: &self.view,
+            config,
+            limit_cos: limit_cos(config.slope_limit),
+            dt,
+            planes: Planes::default(),
+            velocity: Vec3::ZERO,
+            stuck: false,
+        };
+        // A character spawned just above or in the ground stands on it at once.
+        let walks = !jumps && (before.is_some() || body.written.is_none());
+        if walks {
+            self.walk(body, &mut slider);
+        } else {
+            self.fly(body, &mut slider, state, jumps);
+        }
+        if slider.stuck {
+            body.checks = body.checks.max(1);
+        }
+        Travelled { before, way: body.position - from }
+    }
+
+    fn walk(&self, body: &mut MotionBody, slider: &mut Slider) {
+        let config = self.config;
+        let rates = SpeedRates { accelerate: config.acceleration, brake: config.braking, reverse: config.reversal };
+        let velocity = approach_velocity(body.velocity, self.intent.velocity, rates, self.dt);
+        let way = (body.velocity + velocity) * 0.5 * self.dt;
+        slider.velocity = velocity + body.frame_velocity;
+        let walked = walk(slider, body, self.shapes, self.shapes.posture(body.crouched), way);
+        let clipped = slider.planes.clip_flat(slider.velocity) - body.frame_velocity;
+        body.velocity = Vec3::new(clipped.x, 0.0, clipped.z);
+        body.position = walked.position;
+        body.support = walked.support;
+        if body.support.is_none() {
+            leave_ground(body);
+        }
+    }
+
+    fn fly(&self, body: &mut MotionBody, slider: &mut Slider, state: &mut MotionState, jumps: bool) {
+        if body.support.take().is_some() {
+            leave_ground(body);
+        }
+        if jumps {
+            // A late jump off a ledge is as high as any.
+            body.velocity.y = body.velocity.y.max(0.0) + jump_speed(self.config.jump_height, self.config.gravity);
+            body.jumping = true;
+        }
+        let velocity = air_velocity(body.velocity, &self.intent, body.jumping, self.config, self.dt);
+        slider.velocity = velocity + body.frame_velocity;
+        let flown = fly(slider, body, self.shapes, self.shapes.posture(body.crouched), velocity);
+        body.velocity = flown.velocity;
+        body.jumping &= flown.velocity.y > 0.0;
+        body.position = flown.position;
+        body.support = flown.support;
+        if flown.support.is_some() {
+            state.landing_speed = -flown.velocity.y;
+        }
+    }
+
+    /// Goes along with what the ground does during this tick; velocity becomes relative to it.
+    fn board(&self, body: &mut MotionBody) {
+        let ground = body.support.and_then(|support| self.view.body(support.collider, self.dt));
+        let boarded = ground.map(|ground| ground.entity);
+        let changed = boarded != body.ground;
+        body.ground = boarded;
+        let Some(ground) = ground else {
+            if body.support.is_some() {
+                // On another character: ground that stands still.
+                body.velocity = (body.velocity + body.frame_velocity).with_y(0.0);
+                body.frame_velocity = Vec3::ZERO;
+            }
+            return;
+        };
+        let frame_velocity = ground.velocity_at(body.position, self.dt);
+        if changed {
+            body.velocity += body.frame_velocity - frame_velocity;
+        }
+        body.frame_velocity = frame_velocity;
+        body.velocity.y = 0.0;
+        if ground.now != ground.next {
+            let way = ground.next.world(ground.now.local(body.position)) - body.position;
+            let way = self.clear_way(body, way, ground.entity);
+            body.shift(way);
+            body.yaw.value = wrap_angle(body.yaw.value + ground.now.yaw_to(&ground.next));
+        }
+        let local = ground.next.local(body.position);
+        body.anchor = Some(Anchor { body: ground.entity, expected: ground.next, local });
+        if let (true, Some(support)) = (ground.dynamic, body.support) {
+            let impulse = Vec3::NEG_Y * (self.config.mass * self.config.gravity * self.dt);
+            body.pushes.push(Push { body: ground.entity, point: support.point, impulse });
+        }
+    }
+}
+
+/// The ground's rise and fall goes with the body into the air.
+fn leave_ground(body: &mut MotionBody) {
+    body.velocity.y += body.frame_velocity.y;
+    body.frame_velocity.y = 0.0;
+}
+
+/// What a tick's movement was, without the ground's own.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Travelled {
+    /// The ground before.
+    pub(super) before: Option<Support>,
+    /// The way gone.
+    pub(super) way: Vec3,
+}

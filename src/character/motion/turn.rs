@@ -1,0 +1,81 @@
+//! How the body turns toward what it faces. Pure; headings about +Y in radians.
+
+use core::f32::consts::PI;
+
+use crate::math::{rotation::wrap_angle, spring::Spring};
+
+/// How fast a body turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurnRates {
+    /// Half-life of the turn, seconds.
+    pub half_life: f32,
+    /// Fastest turn, rad/s.
+    pub most: f32,
+}
+
+/// Turns the heading `yaw` toward `goal` for `dt` seconds, the shorter way round.
+///
+/// A critically damped spring whose rate is cut to `rates.most`. A turn that is more than a hair over half a
+/// circle goes on the way it already turns, so that a goal straight behind never makes it waver.
+#[must_use]
+pub fn turn_toward(yaw: Spring<f32>, goal: f32, rates: TurnRates, dt: f32) -> Spring<f32> {
+    if dt <= 0.0 {
+        return yaw;
+    }
+    let mut way = wrap_angle(goal - yaw.value);
+    // Within 10° of straight behind either way is as short; keep turning the way it turns.
+    if way.abs() > PI - 0.17 && way * yaw.velocity < 0.0 {
+        way += 2.0 * PI * yaw.velocity.signum();
+    }
+    let mut spring = Spring { value: 0.0, velocity: yaw.velocity };
+    spring.step(way, rates.half_life, dt);
+    let most = rates.most.max(0.0) * dt;
+    if spring.value.abs() > most {
+        spring.value = most * spring.value.signum();
+    }
+    spring.velocity = spring.velocity.clamp(-rates.most.max(0.0), rates.most.max(0.0));
+    Spring { value: wrap_angle(yaw.value + spring.value), velocity: spring.velocity }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const RATES: TurnRates = TurnRates { half_life: 0.07, most: 12.5 };
+
+    #[test]
+    fn a_quarter_turn_is_done_in_half_a_second() {
+        let mut yaw = Spring::at(0.0);
+        for _ in 0..32 {
+            yaw = turn_toward(yaw, PI / 2.0, RATES, 1.0 / 64.0);
+        }
+        assert!((yaw.value - PI / 2.0).abs() < 0.02, "at {}° after 0.5 s", yaw.value.to_degrees());
+    }
+
+    #[test]
+    fn a_goal_that_wavers_behind_does_not_turn_the_body_back() {
+        let mut yaw = Spring::at(0.0);
+        let mut turned = 0.0;
+        for tick in 0..20u8 {
+            let goal = PI + if tick % 2 == 0 { 0.05 } else { -0.05 };
+            let next = turn_toward(yaw, goal, RATES, 1.0 / 64.0);
+            turned += wrap_angle(next.value - yaw.value);
+            yaw = next;
+        }
+        assert!(turned.abs() > 2.0, "turned only {}°", turned.to_degrees());
+    }
+
+    proptest! {
+        #[test]
+        fn a_turn_keeps_its_rate_and_never_overshoots(from in -3.1f32..3.1, goal in -9.0f32..9.0, half_life in 0.0f32..0.5, dt in 0.001f32..0.1) {
+            let rates = TurnRates { half_life, most: 6.0 };
+            let yaw = turn_toward(Spring::at(from), goal, rates, dt);
+            let turned = wrap_angle(yaw.value - from);
+            let way = wrap_angle(goal - from);
+            prop_assert!(turned.abs() <= 6.0 * dt + 1e-5, "{turned} rad in {dt} s");
+            prop_assert!(turned.abs() <= way.abs() + 1e-4, "turned {turned} of {way}");
+            prop_assert!(yaw.value.abs() <= PI + 1e-5 && yaw.velocity.abs() <= 6.0, "{yaw:?}");
+        }
+    }
+}
