@@ -77,8 +77,13 @@ pub fn go(app: &mut App, walker: Entity, velocity: Vec3) {
     intend(app, walker, MoveIntent { velocity, ..default() });
 }
 
-/// The root.
+/// The root as the last tick left it.
 pub fn root(app: &App, walker: Entity) -> Vec3 {
+    app.world().entity(walker).get::<Position>().map_or(Vec3::NAN, |position| position.0)
+}
+
+/// The root as the last frame showed it, eased between two ticks.
+pub fn shown(app: &App, walker: Entity) -> Vec3 {
     app.world().entity(walker).get::<Transform>().map_or(Vec3::NAN, |transform| transform.translation)
 }
 

@@ -29,12 +29,16 @@ pub(super) struct MotionBody {
     pub(super) anchor: Option<Anchor>,
     /// The root as last written, to notice when someone else moved it; `None` before the first tick.
     pub(super) written: Option<Written>,
+    /// The root as last shown on the frame clock, to notice when someone moves it between ticks.
+    pub(super) shown: Option<Transform>,
     pub(super) jump: JumpMemory,
     /// Whether the character rises by a jump of its own.
     pub(super) jumping: bool,
     pub(super) crouched: bool,
     /// Whether the collider that others meet has to change.
     pub(super) reshaped: bool,
+    /// Whether this tick put the root elsewhere instead of moving it there.
+    pub(super) jumped_place: bool,
     /// Ticks for which to look whether the capsule stands in something that doesn't move.
     pub(super) checks: u8,
     /// Seconds for which it could neither fall nor stand.
@@ -56,10 +60,12 @@ impl Default for MotionBody {
             ground: None,
             anchor: None,
             written: None,
+            shown: None,
             jump: JumpMemory::default(),
             jumping: false,
             crouched: false,
             reshaped: true,
+            jumped_place: false,
             // The first physics step may come after the first tick; until then nothing is met.
             checks: 4,
             wedged: 0.0,

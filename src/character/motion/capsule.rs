@@ -10,11 +10,16 @@ use crate::rig::tuning::motion::MotionConfig;
 /// Thinner, so that a wall the capsule slides along is not mistaken for ground.
 const FOOT_SLIMMER: f32 = 0.06;
 
+/// Least height of the raised capsule above the ground, as a fraction of its radius.
+const LEAST_STEP: f32 = 0.6;
+
 /// The shapes of one posture. Their origin is the capsule's lowest point, the ground under an upright body.
 #[derive(Clone, Debug)]
 pub(super) struct Posture {
-    /// The whole capsule, which others collide with and which flies.
+    /// The whole capsule, which others collide with.
     pub(super) whole: Collider,
+    /// The whole capsule as thin as the ball that looks for ground, which flies: it leaves an edge just where the ball does.
+    pub(super) flying: Collider,
     /// The capsule above step height, which walks: what it doesn't meet can be stepped on.
     pub(super) raised: Collider,
     /// Metres from the ground to the top.
@@ -24,6 +29,8 @@ pub(super) struct Posture {
 /// All shapes of a character, and the lengths they were built from.
 #[derive(Component, Clone, Debug)]
 pub(super) struct MotionShapes {
+    /// The tuning, with what is out of range mended.
+    pub(super) config: MotionConfig,
     pub(super) standing: Posture,
     pub(super) crouched: Posture,
     /// The ball that looks for ground; its origin is its centre.
@@ -45,24 +52,26 @@ impl Default for MotionShapes {
 impl MotionShapes {
     /// The shapes for a config. Lengths that make no capsule give the nearest that do.
     pub(super) fn new(config: &MotionConfig) -> Self {
-        let sane = |length: f32, fallback: f32| if length.is_finite() { length } else { fallback };
-        let radius = sane(config.radius, 0.28).clamp(0.02, 10.0);
-        let crouch_height = sane(config.crouch_height, 1.2).clamp(2.0 * radius, 100.0);
-        let height = sane(config.height, 1.8).clamp(crouch_height, 100.0);
-        let step_up = sane(config.step_up, 0.35).clamp(0.0, crouch_height - 2.0 * radius);
+        let config = config.mended();
+        let radius = config.radius;
+        // Less would make walls of slopes, which rise under the body by as much as it goes.
+        let least = (LEAST_STEP * radius).min(config.crouch_height - 2.0 * radius);
+        let step_up = config.step_up.max(least);
         let foot_radius = radius * (1.0 - FOOT_SLIMMER);
         let posture = |height: f32| Posture {
             whole: upright(radius, 0.0, height),
+            flying: upright(foot_radius, 0.0, height),
             raised: upright(radius, step_up, height),
             height,
         };
         Self {
-            standing: posture(height),
-            crouched: posture(crouch_height),
+            standing: posture(config.height),
+            crouched: posture(config.crouch_height),
             foot: Collider::sphere(foot_radius),
             foot_radius,
             radius,
             step_up,
+            config,
         }
     }
 

@@ -28,13 +28,7 @@ pub(super) struct Flown {
 }
 
 /// Velocity after `dt` seconds in the air: gravity, and a little steering; relative to the frame, m/s.
-pub(super) fn air_velocity(
-    velocity: Vec3,
-    intent: &MoveIntent,
-    jumping: bool,
-    config: &MotionConfig,
-    dt: f32,
-) -> Vec3 {
+pub(super) fn air_velocity(velocity: Vec3, intent: &MoveIntent, jumping: bool, config: &MotionConfig, dt: f32) -> Vec3 {
     let rate = config.air_acceleration;
     let flat = Vec3::new(velocity.x, 0.0, velocity.z);
     let rates = SpeedRates { accelerate: rate, brake: rate, reverse: rate };
@@ -59,10 +53,10 @@ pub(super) fn fly(
     let (dt, from) = (slider.dt, body.position);
     // The mean of both ends' velocities: exact under steady gravity, whatever the tick.
     let way = ((body.velocity + velocity) * 0.5 + body.frame_velocity) * dt;
-    let to = slider.fly(body, &posture.whole, from, way);
+    let to = slider.fly(body, &posture.flying, from, way);
     let mut velocity = velocity;
     if velocity.y <= 0.0 {
-        let look = Look { up: 0.0, down: SKIN * 3.0, limit_cos: slider.limit_cos };
+        let look = Look { up: 0.0, down: SKIN * 3.0, highest: f32::INFINITY, limit_cos: slider.limit_cos };
         let found = footing(slider.view, shapes, to, look);
         body.wedged = if (to - from).length() < 1e-3 && velocity.y < 0.0 { body.wedged + dt } else { 0.0 };
         match found {

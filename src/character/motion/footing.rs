@@ -18,7 +18,12 @@ const AGREE: f32 = 0.005;
 const NUDGE: f32 = 0.003;
 
 /// Ways into an obstacle, metres, at which its top is looked for: the edge itself, then over a blunt shoulder.
-const INTO: [f32; 3] = [0.02, 0.1, 0.25];
+const INTO: [f32; 2] = [0.02, 0.1];
+
+/// How far behind its touched side an obstacle has to stay below step height to be stepped over, metres.
+///
+/// A slope of one degree over the usual limit rises by a whole step within it.
+const STRIDE_OVER: f32 = 0.35;
 
 /// Ground that bears the body.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +64,8 @@ pub(super) struct Look {
     pub(super) up: f32,
     /// Metres below the body's lowest point to where.
     pub(super) down: f32,
+    /// Highest contact, in metres above the body's lowest point, that still counts as ground.
+    pub(super) highest: f32,
     /// Cosine of the steepest slope.
     pub(super) limit_cos: f32,
 }
@@ -71,13 +78,18 @@ pub(super) fn footing(view: &View, shapes: &MotionShapes, at: Vec3, look: Look) 
     let Some(hit) = view.lower(&shapes.foot, centre, look.up + lift + look.down) else {
         return Footing::Air;
     };
-    let height = centre.y - hit.distance - radius;
-    let stands = walkable(hit.normal, look.limit_cos);
     let deepest = look.down + hover(radius, Vec3::Y * look.limit_cos);
     let start = Vec3::new(at.x, at.y + look.up + lift, at.z);
-    let floor = view
-        .floor(start, Dir3::NEG_Y, look.up + lift + deepest)
-        .filter(|floor| walkable(floor.normal, look.limit_cos));
+    let below = view.floor(start, Dir3::NEG_Y, look.up + lift + deepest);
+    let floor = below.filter(|floor| walkable(floor.normal, look.limit_cos));
+    let hit = sharpened(view, shapes, centre, hit, floor);
+    let height = centre.y - hit.distance - radius;
+    if hit.point.y > at.y + look.highest {
+        // The ball came down on something too high to step on: back to where it stands beside it.
+        let flat = Vec3::new(hit.normal.x, 0.0, hit.normal.z).length();
+        return Footing::Wall { normal: as_wall(hit.normal), back: radius * (1.0 - flat).max(0.0) };
+    }
+    let stands = walkable(hit.normal, look.limit_cos);
     let steepest = if stands { hit.normal } else { Vec3::Y * look.limit_cos };
     let level = level(height, hit.point.y, hover(radius, steepest), floor);
     let near = floor.filter(|floor| (floor.height - level).abs() < 0.02);
@@ -85,13 +97,28 @@ pub(super) fn footing(view: &View, shapes: &MotionShapes, at: Vec3, look: Look) 
         height,
         level,
         collider: near.map_or(hit.collider, |floor| floor.collider),
-        normal: floor.map_or(if stands { hit.normal } else { Vec3::Y }, |floor| floor.normal),
+        normal: floor.map_or(Vec3::Y, |floor| floor.normal),
         point: hit.point,
     };
     if stands {
         return Footing::Support(support);
     }
-    steep(view, shapes, at, look, &hit, support, floor)
+    steep(view, shapes, at, look, &hit, support, floor, below.is_some())
+}
+
+/// The ball's hit made exact: by the plane that the ray found if the ball lies on it, else by a closer look.
+fn sharpened(view: &View, shapes: &MotionShapes, centre: Vec3, hit: Hit, floor: Option<Floor>) -> Hit {
+    if let Some(floor) = floor
+        && floor.collider == hit.collider
+        && floor.normal.dot(hit.normal) > 0.999
+    {
+        let distance = centre.y - shapes.foot_radius - hover(shapes.foot_radius, floor.normal) - floor.height;
+        if (distance - hit.distance).abs() < 1e-3 {
+            let point = centre - Vec3::Y * distance - floor.normal * shapes.foot_radius;
+            return Hit { distance, safe: distance, normal: floor.normal, point, ..hit };
+        }
+    }
+    view.sharpen_lowering(&shapes.foot, centre, hit)
 }
 
 /// The height of the root between what the ball and the ray found.
@@ -112,11 +139,12 @@ fn steep(
     hit: &Hit,
     support: Support,
     floor: Option<Floor>,
+    has_bottom: bool,
 ) -> Footing {
     let normal = as_wall(hit.normal);
-    if has_top(view, at, look, hit, normal) {
-        // A step if there is ground below as well; else the edge of a cliff.
-        return if floor.is_some() { Footing::Support(support) } else { Footing::Slip(support) };
+    if is_low(view, at, look, hit, normal) {
+        // A step if there is something below as well; else the edge of a cliff.
+        return if has_bottom { Footing::Support(support) } else { Footing::Slip(support) };
     }
     let slope = Vec3::new(hit.normal.x, 0.0, hit.normal.z).length();
     let Some(floor) = floor else {
@@ -133,14 +161,22 @@ fn steep(
     Footing::Wall { normal, back }
 }
 
-/// Whether the obstacle touched has a top to step on, no higher than the look began.
-fn has_top(view: &View, at: Vec3, look: Look, hit: &Hit, normal: Vec3) -> bool {
+/// Whether the obstacle touched can be stepped on or over: no higher than where the look began, as far as a stride reaches.
+fn is_low(view: &View, at: Vec3, look: Look, hit: &Hit, normal: Vec3) -> bool {
     let above = at.y + look.up + 0.01;
+    let Ok(into) = Dir3::new(-normal) else { return true };
     if hit.point.y > above {
         return false;
     }
-    INTO.iter().any(|into| {
-        let from = Vec3::new(hit.point.x, above, hit.point.z) - normal * *into;
+    let from = Vec3::new(at.x, above, at.z);
+    let away = (hit.point - at).dot(*into).max(0.0);
+    view.floor(from, into, away + STRIDE_OVER).is_none() || has_top(view, above, look, hit, *into)
+}
+
+/// Whether there is a top to stand on just behind the contact, whatever towers behind that.
+fn has_top(view: &View, above: f32, look: Look, hit: &Hit, into: Vec3) -> bool {
+    INTO.iter().any(|depth| {
+        let from = Vec3::new(hit.point.x, above, hit.point.z) + into * *depth;
         let reach = above - hit.point.y + 0.02;
         view.floor(from, Dir3::NEG_Y, reach)
             .is_some_and(|top| walkable(top.normal, look.limit_cos) && top.height < above - 1e-4)

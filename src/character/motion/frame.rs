@@ -6,35 +6,35 @@ use crate::math::rotation::{from_scaled_axis, twist_angle};
 
 /// Where a body is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
+pub(super) struct Frame {
     /// World position of its origin, metres.
-    pub position: Vec3,
+    pub(super) position: Vec3,
     /// World rotation.
-    pub rotation: Quat,
+    pub(super) rotation: Quat,
 }
 
 impl Frame {
     /// A world point in this frame.
     #[must_use]
-    pub fn local(&self, world: Vec3) -> Vec3 {
+    pub(super) fn local(&self, world: Vec3) -> Vec3 {
         self.rotation.inverse() * (world - self.position)
     }
 
     /// A point of this frame in the world.
     #[must_use]
-    pub fn world(&self, local: Vec3) -> Vec3 {
+    pub(super) fn world(&self, local: Vec3) -> Vec3 {
         self.position + self.rotation * local
     }
 
     /// Turn about +Y from this frame to `next`, radians.
     #[must_use]
-    pub fn yaw_to(&self, next: &Self) -> f32 {
+    pub(super) fn yaw_to(&self, next: &Self) -> f32 {
         twist_angle((next.rotation * self.rotation.inverse()).normalize(), Vec3::Y)
     }
 
     /// Whether both are the same to within what a physics step's rounding changes.
     #[must_use]
-    pub fn is_near(&self, other: &Self) -> bool {
+    pub(super) fn is_near(&self, other: &Self) -> bool {
         let distance = self.position.distance_squared(other.position);
         let turn = 1.0 - self.rotation.dot(other.rotation).abs();
         distance < 1e-12 * (1.0 + self.position.length_squared()) && turn < 1e-7
@@ -42,7 +42,7 @@ impl Frame {
 
     /// This frame after `dt` seconds of steady `linear` m/s and `angular` rad/s about its centre of mass.
     #[must_use]
-    pub fn after(&self, centre_of_mass: Vec3, linear: Vec3, angular: Vec3, dt: f32) -> Self {
+    pub(super) fn after(&self, centre_of_mass: Vec3, linear: Vec3, angular: Vec3, dt: f32) -> Self {
         let rotation = (from_scaled_axis(angular * dt) * self.rotation).normalize();
         let swing = self.rotation * centre_of_mass - rotation * centre_of_mass;
         Self { position: self.position + linear * dt + swing, rotation }

@@ -4,7 +4,7 @@ use crate::rig::tuning::motion::MotionConfig;
 
 /// Upward speed in m/s that carries a body `height` metres up under `gravity` m/s².
 #[must_use]
-pub fn jump_speed(height: f32, gravity: f32) -> f32 {
+pub(super) fn jump_speed(height: f32, gravity: f32) -> f32 {
     (2.0 * height.max(0.0) * gravity.max(0.0)).sqrt()
 }
 
@@ -12,7 +12,7 @@ pub fn jump_speed(height: f32, gravity: f32) -> f32 {
 ///
 /// A jump let go at once then rises to the tap height; one held throughout to the full height.
 #[must_use]
-pub fn cut_gravity(config: &MotionConfig) -> f32 {
+pub(super) fn cut_gravity(config: &MotionConfig) -> f32 {
     if config.jump_tap_height < 1e-3 {
         // The whole height in a tap of nothing would be infinite; this stops a jump within a few ticks.
         return config.gravity * 100.0;
@@ -22,7 +22,7 @@ pub fn cut_gravity(config: &MotionConfig) -> f32 {
 
 /// Remembers the button and the ground for as long as they matter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JumpMemory {
+pub(super) struct JumpMemory {
     /// Whether the button was held on the last tick.
     held: bool,
     /// Seconds since it went down; infinite once used up.
@@ -42,7 +42,7 @@ impl JumpMemory {
     ///
     /// One press gives one jump: for `jump_buffer` seconds before landing, or up to `jump_coyote` seconds after the ground ended.
     #[must_use]
-    pub fn jumps(&mut self, held: bool, grounded: bool, config: &MotionConfig, dt: f32) -> bool {
+    pub(super) fn jumps(&mut self, held: bool, grounded: bool, config: &MotionConfig, dt: f32) -> bool {
         self.since_press = if held && !self.held { 0.0 } else { self.since_press + dt };
         self.since_ground = if grounded { 0.0 } else { self.since_ground + dt };
         self.held = held;

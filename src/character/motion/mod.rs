@@ -24,7 +24,10 @@ mod turn;
 mod walk;
 
 use avian3d::prelude::{Collider, CollisionLayers, CustomPositionIntegration, RigidBody, SpatialQueryFilter};
-use avian3d::prelude::{SleepingDisabled, TransformInterpolation};
+use avian3d::{
+    interpolation::TransformEasingSystems,
+    prelude::{SleepingDisabled, TransformInterpolation},
+};
 use bevy::prelude::*;
 
 use super::{
@@ -109,6 +112,15 @@ impl Plugin for MotionPlugin {
             (place::build_shapes, move_characters, place::place_roots, place::push_bodies)
                 .chain()
                 .in_set(MotionSystems::Move),
+        )
+        .add_systems(
+            RunFixedMainLoop,
+            (
+                place::heed_moved_roots.in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop),
+                place::remember_shown_roots
+                    .in_set(RunFixedMainLoopSystems::AfterFixedMainLoop)
+                    .after(TransformEasingSystems::UpdateEasingTick),
+            ),
         );
     }
 }
@@ -120,7 +132,6 @@ fn move_characters(
     mut characters: Query<(
         Entity,
         &MoveIntent,
-        &MotionConfig,
         &MotionShapes,
         &Transform,
         Option<&CollisionLayers>,
@@ -132,24 +143,22 @@ fn move_characters(
     if dt <= 0.0 {
         return;
     }
-    characters.par_iter_mut().for_each(
-        |(me, intent, config, shapes, transform, layers, mut body, mut state)| {
-            if !intent.is_sound() {
-                warn_once!("the MoveIntent of character {me} is not finite: {intent:?}; it counts as zero");
-            }
-            let filter = layers.map_or_else(SpatialQueryFilter::default, |layers| {
-                SpatialQueryFilter::from_mask(layers.filters)
-            });
-            let top_speed = if body.crouched { config.crouch_speed } else { config.sprint_speed };
-            let tick = Tick {
-                view: View { space, me, filter },
-                config,
-                shapes,
-                intent: intent.sanitised(top_speed),
-                transform,
-                dt,
-            };
-            tick.run(&mut body, &mut state);
-        },
-    );
+    characters.par_iter_mut().for_each(|(me, intent, shapes, transform, layers, mut body, mut state)| {
+        if !intent.is_sound() {
+            warn_once!("the MoveIntent of character {me} is not finite: {intent:?}; it counts as zero");
+        }
+        let filter =
+            layers.map_or_else(SpatialQueryFilter::default, |layers| SpatialQueryFilter::from_mask(layers.filters));
+        let config = &shapes.config;
+        let top_speed = if body.crouched { config.crouch_speed } else { config.sprint_speed };
+        let tick = Tick {
+            view: View { space, me, filter },
+            config,
+            shapes,
+            intent: intent.sanitised(top_speed),
+            transform,
+            dt,
+        };
+        tick.run(&mut body, &mut state);
+    });
 }

@@ -2,6 +2,7 @@
 
 use avian3d::prelude::{Collider, Forces, LinearVelocity, Position, Rotation, WriteRigidBodyForces};
 use bevy::prelude::*;
+use bevy_transform_interpolation::{RotationEasingState, TranslationEasingState};
 
 use super::{MotionState, body::MotionBody, capsule::MotionShapes};
 use crate::{math::rotation::from_scaled_axis, rig::tuning::motion::MotionConfig};
@@ -20,6 +21,26 @@ pub(super) fn build_shapes(
     }
 }
 
+/// Stops the easing of roots that someone moved since the last frame, before the easing puts them back.
+pub(super) fn heed_moved_roots(
+    mut characters: Query<(&MotionBody, &Transform, &mut TranslationEasingState, &mut RotationEasingState)>,
+) {
+    for (body, transform, mut translation, mut rotation) in &mut characters {
+        // What is not finite is left to the easing, which puts the last place back.
+        if transform.is_finite() && body.shown.is_some_and(|shown| shown != *transform) {
+            *translation = TranslationEasingState::default();
+            *rotation = RotationEasingState::default();
+        }
+    }
+}
+
+/// Remembers what the frame shows.
+pub(super) fn remember_shown_roots(mut characters: Query<(&mut MotionBody, &Transform)>) {
+    for (mut body, transform) in &mut characters {
+        body.shown = Some(*transform);
+    }
+}
+
 /// Roots go where the bodies are.
 pub(super) fn place_roots(
     mut characters: Query<(
@@ -31,11 +52,16 @@ pub(super) fn place_roots(
         &mut Rotation,
         &mut LinearVelocity,
         &mut Collider,
+        &mut TranslationEasingState,
     )>,
 ) {
-    for (mut body, state, shapes, mut transform, mut position, mut rotation, mut velocity, mut collider) in
+    for (mut body, state, shapes, mut transform, mut position, mut rotation, mut velocity, mut collider, mut easing) in
         &mut characters
     {
+        if body.jumped_place {
+            // Shown where it is now, not on a way there.
+            easing.start = None;
+        }
         let (root, facing) = (body.root(), from_scaled_axis(Vec3::Y * body.yaw.value));
         let moved = transform.translation != root || transform.rotation != facing || position.0 != root;
         if moved {

@@ -19,7 +19,7 @@ struct Plane {
 
 /// The surfaces met during one tick.
 #[derive(Clone, Copy, Debug)]
-pub struct Planes {
+pub(super) struct Planes {
     planes: [Plane; MOST],
     count: usize,
 }
@@ -32,7 +32,7 @@ impl Default for Planes {
 
 impl Planes {
     /// Adds a surface with a unit `normal` toward the body, coming along it with `speed` m/s.
-    pub fn push(&mut self, normal: Vec3, speed: f32) {
+    pub(super) fn push(&mut self, normal: Vec3, speed: f32) {
         if normal.length_squared() < 0.5 {
             return;
         }
@@ -46,7 +46,7 @@ impl Planes {
 
     /// Whether nothing was met.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.count == 0
     }
 
@@ -54,7 +54,7 @@ impl Planes {
     ///
     /// Along one surface if that is free, else along the edge of two, else nowhere.
     #[must_use]
-    pub fn slide(&self, movement: Vec3) -> Vec3 {
+    pub(super) fn slide(&self, movement: Vec3) -> Vec3 {
         let planes = &self.planes[..self.count];
         let slack = 1e-5 * movement.length();
         let free = |candidate: Vec3| planes.iter().all(|plane| candidate.dot(plane.normal) >= -slack);
@@ -76,7 +76,7 @@ impl Planes {
     ///
     /// Two walls that leave no way between them leave no velocity.
     #[must_use]
-    pub fn clip_flat(&self, velocity: Vec3) -> Vec3 {
+    pub(super) fn clip_flat(&self, velocity: Vec3) -> Vec3 {
         let planes = &self.planes[..self.count];
         let free = |candidate: Vec3| planes.iter().all(|plane| candidate.dot(plane.normal) >= plane.speed - 1e-4);
         if free(velocity) {
@@ -88,11 +88,7 @@ impl Planes {
 }
 
 /// The candidate nearest to `wanted` that is free; the first of equals.
-fn nearest_free(
-    wanted: Vec3,
-    candidates: impl Iterator<Item = Vec3>,
-    free: impl Fn(Vec3) -> bool,
-) -> Option<Vec3> {
+fn nearest_free(wanted: Vec3, candidates: impl Iterator<Item = Vec3>, free: impl Fn(Vec3) -> bool) -> Option<Vec3> {
     candidates
         .filter(|candidate| free(*candidate))
         .min_by(|a, b| a.distance_squared(wanted).total_cmp(&b.distance_squared(wanted)))

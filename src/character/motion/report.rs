@@ -45,7 +45,9 @@ pub(super) fn refuse_nonsense(body: &mut MotionBody, me: Entity) {
     if sound {
         return;
     }
-    warn_once!("character {me} met numbers that are not finite and stopped; check its MotionConfig and the colliders around it");
+    warn_once!(
+        "character {me} met numbers that are not finite and stopped; check its MotionConfig and the colliders around it"
+    );
     let last = body.written.map_or(Vec3::ZERO, |written| written.translation);
     let yaw = body.written.map_or(0.0, |written| written.yaw);
     *body = MotionBody {

@@ -90,7 +90,9 @@ impl Slider<'_> {
             return coming;
         }
         let impulse = (met.mass * closing).min(self.config.push_force * self.dt);
-        body.pushes.push(Push { body: met.entity, point: hit.point, impulse: -normal * impulse });
+        // At the height of its centre, so that it slides rather than topples.
+        let point = hit.point.with_y(met.centre.y);
+        body.pushes.push(Push { body: met.entity, point, impulse: -normal * impulse });
         // It gives way by what the impulse does to it.
         coming - impulse / met.mass.max(1e-3)
     }

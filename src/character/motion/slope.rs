@@ -12,31 +12,31 @@ const LEAST_UP: f32 = 0.1;
 
 /// The cosine to compare with [`walkable`], for the steepest slope in radians.
 #[must_use]
-pub fn limit_cos(slope_limit: f32) -> f32 {
+pub(super) fn limit_cos(slope_limit: f32) -> f32 {
     ops::cos(slope_limit)
 }
 
 /// Whether ground with the unit normal `normal` is no steeper than the limit.
 #[must_use]
-pub fn walkable(normal: Vec3, limit_cos: f32) -> bool {
+pub(super) fn walkable(normal: Vec3, limit_cos: f32) -> bool {
     normal.y >= limit_cos - COS_SLACK
 }
 
 /// Height that ground of this normal gains over the horizontal way `travel`, metres.
 #[must_use]
-pub fn rise_along(normal: Vec3, travel: Vec3) -> f32 {
+pub(super) fn rise_along(normal: Vec3, travel: Vec3) -> f32 {
     -(normal.x * travel.x + normal.z * travel.z) / normal.y.max(LEAST_UP)
 }
 
 /// How far the lowest point of a ball that touches a plane stands above the plane under the ball's centre, metres.
 #[must_use]
-pub fn hover(radius: f32, normal: Vec3) -> f32 {
+pub(super) fn hover(radius: f32, normal: Vec3) -> f32 {
     radius * (1.0 / normal.y.clamp(LEAST_UP, 1.0) - 1.0)
 }
 
 /// The wall that a steep normal amounts to for one who walks: its horizontal direction.
 #[must_use]
-pub fn as_wall(normal: Vec3) -> Vec3 {
+pub(super) fn as_wall(normal: Vec3) -> Vec3 {
     direction_or(Vec3::new(normal.x, 0.0, normal.z), Vec3::ZERO)
 }
 
@@ -44,7 +44,7 @@ pub fn as_wall(normal: Vec3) -> Vec3 {
 ///
 /// Slopes before and after explain anything between what they would have risen over `travel`; the rest is a step.
 #[must_use]
-pub fn step_in(change: f32, normal_before: Vec3, normal_after: Vec3, travel: Vec3) -> f32 {
+pub(super) fn step_in(change: f32, normal_before: Vec3, normal_after: Vec3, travel: Vec3) -> f32 {
     let (before, after) = (rise_along(normal_before, travel), rise_along(normal_after, travel));
     change - change.clamp(before.min(after), before.max(after))
 }

@@ -4,18 +4,18 @@ use bevy::math::Vec3;
 
 /// How fast velocity may change, m/s².
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpeedRates {
+pub(super) struct SpeedRates {
     /// Toward a faster velocity.
-    pub accelerate: f32,
+    pub(super) accelerate: f32,
     /// Toward a slower one.
-    pub brake: f32,
+    pub(super) brake: f32,
     /// While the wanted velocity points backward.
-    pub reverse: f32,
+    pub(super) reverse: f32,
 }
 
 /// `current` moved straight toward `wanted` for `dt` seconds; never beyond it.
 #[must_use]
-pub fn approach_velocity(current: Vec3, wanted: Vec3, rates: SpeedRates, dt: f32) -> Vec3 {
+pub(super) fn approach_velocity(current: Vec3, wanted: Vec3, rates: SpeedRates, dt: f32) -> Vec3 {
     let way = wanted - current;
     let distance = way.length();
     let rate = if current.dot(wanted) < 0.0 {

@@ -57,6 +57,7 @@ impl Tick<'_> {
     /// Moves the body for one tick and says what it did.
     pub(super) fn run(&self, body: &mut MotionBody, state: &mut MotionState) {
         body.pushes.clear();
+        body.jumped_place = false;
         self.take_up_root(body, state);
         self.ride(body);
         self.choose_posture(body);
@@ -64,7 +65,7 @@ impl Tick<'_> {
         self.turn(body);
         let travelled = self.travel(body, state);
         state.stepped += follow_ground(body, travelled, self.config, self.dt);
-        self.board(body);
+        self.board(body, travelled.before.is_none());
         refuse_nonsense(body, self.view.me);
         report(body, state, self.dt);
         body.written = Some(Written { translation: body.root(), yaw: body.yaw.value });
@@ -73,7 +74,7 @@ impl Tick<'_> {
     /// The shape that the body's next sweep is made with.
     fn shape<'s>(&'s self, body: &MotionBody) -> &'s Collider {
         let posture = self.shapes.posture(body.crouched);
-        if body.support.is_some() { &posture.raised } else { &posture.whole }
+        if body.support.is_some() { &posture.raised } else { &posture.flying }
     }
 
     /// Notices a first tick, and a root that others moved or turned.
@@ -103,6 +104,7 @@ impl Tick<'_> {
                 body.support = None;
                 body.anchor = None;
                 body.checks = RECHECKS;
+                body.jumped_place = true;
                 state.teleports = state.teleports.wrapping_add(1);
             }
         }
@@ -182,6 +184,7 @@ impl Tick<'_> {
         if out.length() > TELEPORT {
             body.lag = Spring::at(0.0);
             body.support = None;
+            body.jumped_place = true;
             state.teleports = state.teleports.wrapping_add(1);
         }
     }
@@ -272,7 +275,9 @@ impl Tick<'_> {
     }
 
     /// Goes along with what the ground does during this tick; velocity becomes relative to it.
-    fn board(&self, body: &mut MotionBody) {
+    ///
+    /// Who just landed has flown with the world's clock, and so is where the ground will be already.
+    fn board(&self, body: &mut MotionBody, landed: bool) {
         let ground = body.support.and_then(|support| self.view.body(support.collider, self.dt));
         let boarded = ground.map(|ground| ground.entity);
         let changed = boarded != body.ground;
@@ -286,12 +291,13 @@ impl Tick<'_> {
             return;
         };
         let frame_velocity = ground.velocity_at(body.position, self.dt);
-        if changed {
+        if changed && body.checks == 0 {
+            // Who was only just put there moves with the ground from the start.
             body.velocity += body.frame_velocity - frame_velocity;
         }
         body.frame_velocity = frame_velocity;
         body.velocity.y = 0.0;
-        if ground.now != ground.next {
+        if ground.now != ground.next && !landed {
             let way = ground.next.world(ground.now.local(body.position)) - body.position;
             let way = self.clear_way(body, way, ground.entity);
             body.shift(way);

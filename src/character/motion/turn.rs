@@ -6,11 +6,11 @@ use crate::math::{rotation::wrap_angle, spring::Spring};
 
 /// How fast a body turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TurnRates {
+pub(super) struct TurnRates {
     /// Half-life of the turn, seconds.
-    pub half_life: f32,
+    pub(super) half_life: f32,
     /// Fastest turn, rad/s.
-    pub most: f32,
+    pub(super) most: f32,
 }
 
 /// Turns the heading `yaw` toward `goal` for `dt` seconds, the shorter way round.
@@ -18,7 +18,7 @@ pub struct TurnRates {
 /// A critically damped spring whose rate is cut to `rates.most`. A turn that is more than a hair over half a
 /// circle goes on the way it already turns, so that a goal straight behind never makes it waver.
 #[must_use]
-pub fn turn_toward(yaw: Spring<f32>, goal: f32, rates: TurnRates, dt: f32) -> Spring<f32> {
+pub(super) fn turn_toward(yaw: Spring<f32>, goal: f32, rates: TurnRates, dt: f32) -> Spring<f32> {
     if dt <= 0.0 {
         return yaw;
     }

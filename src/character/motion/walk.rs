@@ -55,13 +55,19 @@ fn walk_stretch(
     from: Vec3,
     way: Vec3,
 ) -> Walked {
-    let look = Look { up: shapes.step_up, down: slider.config.step_down.max(0.0), limit_cos: slider.limit_cos };
+    let look = Look {
+        up: shapes.step_up,
+        down: slider.config.step_down.max(0.0),
+        highest: shapes.step_up + 1e-3,
+        limit_cos: slider.limit_cos,
+    };
     let raised = &posture.raised;
     let mut at = slider.walk(body, raised, from, way);
     let mut rerouted = false;
     for _ in 0..LOOKS {
         match footing(slider.view, shapes, at, look) {
             Footing::Support(support) if fits(slider, posture, at, support) => {
+                body.wedged = 0.0;
                 return stand(at, support);
             }
             Footing::Support(_) => {
@@ -72,7 +78,7 @@ fn walk_stretch(
                 rerouted = true;
             }
             Footing::Wall { normal, back } => {
-                slider.planes.push(normal, 0.0);
+                slider.planes.push(normal, body.frame_velocity.dot(normal));
                 if back <= way.length() + 0.05 {
                     // A hair further than needed, so that the next look finds it free.
                     at = slider.walk(body, raised, at, normal * (back + 5e-4));

@@ -43,6 +43,8 @@ pub struct MotionConfig {
     #[serde(with = "super::degrees")]
     pub slope_limit: f32,
     /// Highest step climbed without a jump, metres. Default 0.35.
+    ///
+    /// Steps up to 0.6 of the radius are climbed whatever this says, since a slope can't be told from them.
     pub step_up: f32,
     /// Deepest step walked down without a fall, metres. Default 0.35.
     pub step_down: f32,
@@ -106,29 +108,8 @@ impl MotionConfig {
     /// The first field that is out of range, and what would be valid; `None` when all is well.
     #[must_use]
     pub fn problem(&self) -> Option<String> {
-        let at_least_zero = [
-            ("walk_speed", self.walk_speed),
-            ("run_speed", self.run_speed),
-            ("sprint_speed", self.sprint_speed),
-            ("crouch_speed", self.crouch_speed),
-            ("acceleration", self.acceleration),
-            ("braking", self.braking),
-            ("reversal", self.reversal),
-            ("air_acceleration", self.air_acceleration),
-            ("turn_half_life", self.turn_half_life),
-            ("turn_rate", self.turn_rate),
-            ("step_up", self.step_up),
-            ("step_down", self.step_down),
-            ("step_half_life", self.step_half_life),
-            ("gravity", self.gravity),
-            ("fall_speed", self.fall_speed),
-            ("jump_height", self.jump_height),
-            ("jump_coyote", self.jump_coyote),
-            ("jump_buffer", self.jump_buffer),
-            ("mass", self.mass),
-            ("push_force", self.push_force),
-        ];
-        if let Some((name, value)) = at_least_zero.into_iter().find(|(_, value)| !(0.0..1e6).contains(value)) {
+        let mut copy = self.clone();
+        if let Some((name, value)) = copy.fields().into_iter().find(|(_, value)| !valid(**value)) {
             return Some(format!("{name} is {value}; valid is a number from 0 up"));
         }
         let bounded = [
@@ -139,9 +120,57 @@ impl MotionConfig {
             ("jump_tap_height", self.jump_tap_height, 0.0, self.jump_height),
             ("step_up", self.step_up, 0.0, self.crouch_height - 2.0 * self.radius),
         ];
-        bounded.into_iter().find(|&(_, value, least, most)| !(value >= least && value <= most)).map(
-            |(name, value, least, most)| format!("{name} is {value}; valid is {least} to {most}"),
-        )
+        bounded
+            .into_iter()
+            .find(|&(_, value, least, most)| !(value >= least && value <= most))
+            .map(|(name, value, least, most)| format!("{name} is {value}; valid is {least} to {most}"))
+    }
+
+    /// The same config with every field that is no number from 0 up at its default, and lengths that make a capsule.
+    #[must_use]
+    pub fn mended(&self) -> Self {
+        let (mut mended, mut fallback) = (self.clone(), Self::default());
+        for ((_, value), (_, default)) in mended.fields().into_iter().zip(fallback.fields()) {
+            if !valid(*value) {
+                *value = *default;
+            }
+        }
+        mended.radius = mended.radius.clamp(0.02, 10.0);
+        mended.crouch_height = mended.crouch_height.clamp(2.0 * mended.radius, 100.0);
+        mended.height = mended.height.clamp(mended.crouch_height, 100.0);
+        mended.step_up = mended.step_up.min(mended.crouch_height - 2.0 * mended.radius);
+        mended.slope_limit = mended.slope_limit.min(85f32.to_radians());
+        mended
+    }
+
+    fn fields(&mut self) -> [(&'static str, &mut f32); 25] {
+        [
+            ("walk_speed", &mut self.walk_speed),
+            ("run_speed", &mut self.run_speed),
+            ("sprint_speed", &mut self.sprint_speed),
+            ("crouch_speed", &mut self.crouch_speed),
+            ("acceleration", &mut self.acceleration),
+            ("braking", &mut self.braking),
+            ("reversal", &mut self.reversal),
+            ("air_acceleration", &mut self.air_acceleration),
+            ("turn_half_life", &mut self.turn_half_life),
+            ("turn_rate", &mut self.turn_rate),
+            ("radius", &mut self.radius),
+            ("height", &mut self.height),
+            ("crouch_height", &mut self.crouch_height),
+            ("slope_limit", &mut self.slope_limit),
+            ("step_up", &mut self.step_up),
+            ("step_down", &mut self.step_down),
+            ("step_half_life", &mut self.step_half_life),
+            ("gravity", &mut self.gravity),
+            ("fall_speed", &mut self.fall_speed),
+            ("jump_height", &mut self.jump_height),
+            ("jump_tap_height", &mut self.jump_tap_height),
+            ("jump_coyote", &mut self.jump_coyote),
+            ("jump_buffer", &mut self.jump_buffer),
+            ("mass", &mut self.mass),
+            ("push_force", &mut self.push_force),
+        ]
     }
 
     /// The same config for a body `scale` times as tall: lengths and speeds scale, times and angles stay.
@@ -171,6 +200,11 @@ impl MotionConfig {
     }
 }
 
+/// Whether a field holds a number from 0 up, below what physics can't hold any more.
+fn valid(value: f32) -> bool {
+    (0.0..1e6).contains(&value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,5 +224,21 @@ mod tests {
         let unnumbered = MotionConfig { gravity: f32::NAN, ..default() };
         let problem = unnumbered.problem().unwrap_or_default();
         assert!(problem.contains("gravity is NaN"), "{problem}");
+    }
+
+    #[test]
+    fn a_mended_config_is_valid() {
+        for value in [f32::NAN, f32::INFINITY, -1.0, 0.0, 50.0] {
+            let bad = MotionConfig {
+                radius: value,
+                height: value,
+                step_up: value,
+                slope_limit: value,
+                mass: value,
+                ..default()
+            };
+            assert_eq!(bad.mended().problem(), None, "every length {value}");
+        }
+        assert_eq!(MotionConfig::default().mended(), MotionConfig::default());
     }
 }

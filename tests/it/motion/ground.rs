@@ -80,7 +80,7 @@ fn slopes_are_climbed_at_the_commanded_speed_and_the_root_stays_on_them() {
             assert!(worst < 0.012, "{degrees}° at {speed} m/s: root {worst} m off the slope");
             // And down again.
             go(&mut app, walker, Vec3::Z * speed);
-            updates(&mut app, 32);
+            updates(&mut app, 64);
             let start = root(&app, walker);
             for _ in 0..64 {
                 app.update();

@@ -27,7 +27,7 @@ fn a_wall_stops_the_walker_and_lets_it_slide_along() {
     assert!(at.y.abs() < 1e-3, "rose to {at}");
     assert!(state(&app, walker).velocity.length() < 0.01, "still moves at {}", state(&app, walker).velocity);
     go(&mut app, walker, Vec3::new(2.0, 0.0, -2.0));
-    updates(&mut app, 32);
+    updates(&mut app, 128);
     let start = root(&app, walker);
     updates(&mut app, 64);
     let slid = root(&app, walker) - start;
