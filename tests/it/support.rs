@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use avian3d::prelude::*;
-use bevy::{prelude::*, time::TimeUpdateStrategy};
+use bevy::{math::ops, prelude::*, time::TimeUpdateStrategy};
 use surefoot::character::{
     intent::MoveIntent,
     motion::{CharacterMotion, MotionPlugin, MotionState},
@@ -47,7 +47,7 @@ pub fn flat(app: &mut App) -> Entity {
 pub fn ramp(app: &mut App, degrees: f32, length: f32) -> Entity {
     let angle = degrees.to_radians();
     let rotation = Quat::from_rotation_x(angle);
-    let slope = length / angle.cos();
+    let slope = length / ops::cos(angle);
     let middle = rotation * Vec3::new(0.0, -0.5, -slope * 0.5);
     block(app, middle, Vec3::new(10.0, 1.0, slope), rotation)
 }

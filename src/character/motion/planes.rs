@@ -141,7 +141,7 @@ mod tests {
         }
 
         #[test]
-        fn no_velocity_goes_into_a_wall(angles in proptest::collection::vec(0.0f32..6.28, 1..6), x in -5.0f32..5.0, z in -5.0f32..5.0) {
+        fn no_velocity_goes_into_a_wall(angles in proptest::collection::vec(0.0f32..6.2, 1..6), x in -5.0f32..5.0, z in -5.0f32..5.0) {
             let normals: Vec<_> = angles.iter().map(|&a| Vec3::new(bevy::math::ops::sin(a), 0.0, bevy::math::ops::cos(a))).collect();
             let (velocity, planes) = (Vec3::new(x, 0.0, z), walls(&normals));
             let clipped = planes.clip_flat(velocity);

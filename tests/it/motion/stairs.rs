@@ -1,6 +1,6 @@
 //! Stairs, curbs, ledges and rubble.
 
-use bevy::prelude::*;
+use bevy::{math::ops, prelude::*};
 
 use crate::support::*;
 
@@ -137,7 +137,8 @@ fn rubble_never_stops_a_walker() {
     // Boxes up to 15 cm, turned and tilted every way.
     for index in 0..160u16 {
         let seed = f32::from(index);
-        let spin = Quat::from_euler(EulerRot::YXZ, seed * 2.4, 0.35 * (seed * 1.7).sin(), 0.35 * (seed * 0.9).cos());
+        let spin =
+            Quat::from_euler(EulerRot::YXZ, seed * 2.4, 0.35 * ops::sin(seed * 1.7), 0.35 * ops::cos(seed * 0.9));
         let at = Vec3::new((seed * 0.618).fract() * 3.0 - 1.5, 0.0, -0.06 * seed);
         block(&mut app, at, Vec3::new(0.45, 0.2, 0.35), spin);
     }
