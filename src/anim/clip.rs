@@ -39,6 +39,10 @@ pub struct Clip {
     pub looping: bool,
     /// Playback speed as a factor. Sampling takes clip seconds and leaves it to whoever advances them.
     pub speed: f32,
+    /// Speed over ground in m/s at which its feet don't slide, where its file says so.
+    pub ground_speed: Option<f32>,
+    /// Seconds before the first key, through which the first pose holds.
+    pub lead: f32,
     /// Figures of the bake.
     pub report: ClipReport,
     pub(super) frames: Frames,
@@ -166,6 +170,23 @@ impl Clip {
         for &joint in &frames.scales {
             out[joint.index()].scale = vec3(take(&mut a, 3)).lerp(vec3(take(&mut b, 3)), span.blend);
         }
+    }
+
+    /// The clip without its lead: a loop must not wait at its start. Only whole frames are taken off.
+    #[must_use]
+    pub fn without_lead(&self) -> Self {
+        let frames = self.lead * self.frames.rate;
+        let cut = (frames + 0.01).floor();
+        if cut < 1.0 || cut as usize + 1 >= self.frames.count {
+            return self.clone();
+        }
+        let mut clip = self.clone();
+        clip.frames.rows.drain(..cut as usize * self.frames.width());
+        clip.frames.count -= cut as usize;
+        clip.duration = (clip.frames.count - 1) as f32 / self.frames.rate;
+        clip.lead = ((frames - cut) / self.frames.rate).max(0.0);
+        clip.report.bytes = clip.frames.bytes();
+        clip
     }
 
     /// Writes the morph weights at `time` seconds of the mesh that hangs on `node`.

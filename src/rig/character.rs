@@ -120,7 +120,10 @@ impl CharacterAsset {
         let humanoid = Humanoid::bind(&model.skeleton, &model.skin_joints(), &spelt_out).map_err(body_error)?;
         let (model_from_root, _) = frame::model_from_root(&model.skeleton, &humanoid);
         model.skeleton.model_from_root = Affine3A::from_scale(Vec3::splat(file.scale)) * model_from_root;
-        let legs = legs::legs(&model, &humanoid).map_err(body_error)?;
+        let mut legs = legs::legs(&model, &humanoid).map_err(body_error)?;
+        if let Some(soles) = &file.soles {
+            legs::place_soles(&model.skeleton, &mut legs, soles, file.scale);
+        }
         let hips = humanoid.get(HumanoidRole::Hips).unwrap_or_default();
 
         let mut asset = Self {
@@ -184,11 +187,14 @@ impl CharacterAsset {
         let mut clip = if other.is_some() { self.retarget(name, file, rig, clip)? } else { Clip::clone(clip) };
         clip.speed = source.speed;
         clip.looping = source.looping.unwrap_or(clip.looping);
+        if clip.looping {
+            clip = clip.without_lead();
+        }
         let mut gait = Gait::analyze(&clip, &self.skeleton, &self.legs);
         if let Some((left, right)) = &source.contacts {
             gait.set_contacts([contacts(left), contacts(right)]);
         }
-        if let Some(speed) = source.ground_speed {
+        if let Some(speed) = source.ground_speed.or(clip.ground_speed) {
             gait.set_speed(speed, clip.duration);
         }
         Ok(CharacterClip { name: name.to_owned(), clip: Arc::new(clip), gait })

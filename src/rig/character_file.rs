@@ -27,6 +27,9 @@ pub struct CharacterFile {
     pub scale: f32,
     /// Which joint plays which part. Default `Auto`.
     pub roles: Roles,
+    /// Where the left sole meets the ground; the right one is its mirror image. Default: found from the vertices of the
+    /// feet, else guessed from ankle and toes.
+    pub soles: Option<Soles>,
     /// Clips by the names that states use. Every clip of the model is there under its own name; entries here add to
     /// them or change them. Default none.
     pub clips: BTreeMap<String, ClipSource>,
@@ -44,12 +47,25 @@ impl Default for CharacterFile {
             model: "mannequin.glb".to_owned(),
             scale: 1.0,
             roles: Roles::Auto,
+            soles: None,
             clips: BTreeMap::new(),
             motion: MotionConfig::default(),
             locomotion: LocomotionConfig::default(),
             foot_ik: FootIkConfig::default(),
         }
     }
+}
+
+/// Points of the left sole at rest: (left, up, forward) of the origin between the feet, metres of the model.
+#[derive(Reflect, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Soles {
+    /// Rearmost point that touches the ground.
+    pub heel: (f32, f32, f32),
+    /// Point under the toe joint.
+    pub ball: (f32, f32, f32),
+    /// Foremost point that touches the ground.
+    pub tip: (f32, f32, f32),
 }
 
 /// Which joint plays which part.
@@ -128,6 +144,18 @@ impl CharacterFile {
     pub fn validate(&self) -> Result<(), RangeError> {
         let ranges = Ranges::new("");
         ranges.within("scale", self.scale, 0.01..=100.0, "")?;
+        if let Some(Soles { heel, ball, tip }) = self.soles {
+            for (field, point) in [("soles.heel", heel), ("soles.ball", ball), ("soles.tip", tip)] {
+                for value in <[f32; 3]>::from(point) {
+                    ranges.within(field, value, -100.0..=100.0, " m")?;
+                }
+            }
+            let order = heel.2 < ball.2 && ball.2 <= tip.2;
+            if !order {
+                let value = format!("heel {}, ball {}, tip {} m forward", heel.2, ball.2, tip.2);
+                return Err(ranges.fail("soles", value, "heel behind ball, tip not behind ball".to_owned()));
+            }
+        }
         for (name, clip) in &self.clips {
             let ranges = Ranges::new(&format!("clips[\"{name}\"]."));
             ranges.within("speed", clip.speed, 0.01..=100.0, "")?;

@@ -6,13 +6,14 @@ use bevy::math::Vec3;
 
 use super::{
     Rig,
+    character_file::Soles,
     humanoid::{Humanoid, HumanoidError, HumanoidRole as Role, spelling},
 };
 use crate::{
     anim::{
         leg::{Leg, SolePoint},
         pose::Pose,
-        skeleton::JointIndex,
+        skeleton::{JointIndex, Skeleton},
     },
     math::rotation::direction_or,
 };
@@ -24,6 +25,8 @@ const NEAR: f32 = 0.12;
 /// Foot of a body without vertices, in shares of the leg's length (after GAIT figures of a 1.80 m body): ankle height,
 /// heel behind the ankle, ball before it, tip before the ball.
 const TYPICAL: [f32; 4] = [0.08, 0.063, 0.154, 0.086];
+/// Height of the toe joint of such a body, as a share of the leg's length.
+const TOE_HEIGHT: f32 = 0.025;
 /// Ball's place between heel and tip, where there are no toes.
 const BALL: f32 = 0.7;
 
@@ -33,6 +36,18 @@ pub(super) fn legs(rig: &Rig, humanoid: &Humanoid) -> Result<[Leg; 2], HumanoidE
     let left = [Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot, Role::LeftToes];
     let right = [Role::RightUpperLeg, Role::RightLowerLeg, Role::RightFoot, Role::RightToes];
     Ok([leg(rig, humanoid, &rest, left)?, leg(rig, humanoid, &rest, right)?])
+}
+
+/// Puts the soles where the file says. Points are metres of the unscaled model; the skeleton's scale applies to them.
+pub(super) fn place_soles(skeleton: &Skeleton, legs: &mut [Leg; 2], soles: &Soles, scale: f32) {
+    let rest = Pose::rest(skeleton);
+    for (leg, side) in legs.iter_mut().zip([-1.0, 1.0]) {
+        let place = |(left, up, forward): (f32, f32, f32)| scale * Vec3::new(side * left, up, -forward);
+        let front = leg.toes.unwrap_or(leg.foot);
+        leg.heel = SolePoint::at(&rest, leg.foot, place(soles.heel));
+        leg.ball = SolePoint::at(&rest, front, place(soles.ball));
+        leg.tip = SolePoint::at(&rest, front, place(soles.tip));
+    }
 }
 
 fn leg(rig: &Rig, humanoid: &Humanoid, rest: &Pose, roles: [Role; 4]) -> Result<Leg, HumanoidError> {
@@ -119,7 +134,8 @@ fn sole(rig: &Rig, rest: &Pose, leg: f32, foot: JointIndex, toes: Option<JointIn
 /// A sole without vertices: after the ankle, and the toes where there are any.
 fn typical(rest: &Pose, leg: f32, ankle: Vec3, toes: Option<JointIndex>) -> [Vec3; 3] {
     let [height, heel, ball, tip] = TYPICAL.map(|share| share * leg);
-    let ground = ankle.y - height;
+    let toe_height = toes.map_or(f32::INFINITY, |toes| rest.position(toes).y);
+    let ground = (ankle.y - height).min(toe_height - TOE_HEIGHT * leg);
     let toes = toes.map(|toes| rest.position(toes)).unwrap_or(ankle + Vec3::NEG_Z * ball);
     [
         Vec3::new(ankle.x, ground, ankle.z + heel),

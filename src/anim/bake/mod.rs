@@ -14,7 +14,7 @@ const TOLERANCE: f32 = 1e-4;
 /// Frame rates to try, lowest first, in Hz.
 const RATES: [f32; 2] = [30.0, 60.0];
 /// A file's own key rate is taken up to this, Hz.
-const MAX_RATE: f32 = 120.0;
+const MAX_RATE: f32 = 125.0;
 /// Frames of one clip; above it the rate goes down. An hour at 30 Hz.
 const MAX_FRAMES: f32 = 108_000.0;
 /// First and last pose closer than this fraction of the skeleton's size make a loop.
@@ -29,6 +29,10 @@ const STILL: f32 = 1e-6;
 pub struct ClipCurves {
     /// Its name in the file.
     pub name: String,
+    /// Whether it loops, where the file says so; else it does when its last pose is its first.
+    pub looping: Option<bool>,
+    /// Speed over ground in m/s at which its feet don't slide, where the file says so.
+    pub ground_speed: Option<f32>,
     /// Joints with keys, each at most once.
     pub joints: Vec<JointCurves>,
     /// Morph weights with keys.
@@ -166,7 +170,10 @@ impl ClipCurves {
 
         let mut clip = Clip { name: self.name.clone(), duration, speed: 1.0, frames, ..Clip::default() };
         clip.report = self.check(skeleton, &clip);
-        clip.looping = duration > 0.0 && clip.report.seam <= SEAM * size(skeleton);
+        let closes = duration > 0.0 && clip.report.seam <= SEAM * size(skeleton);
+        clip.looping = self.looping.unwrap_or(closes);
+        clip.ground_speed = self.ground_speed;
+        clip.lead = self.key_times().filter_map(|(times, _)| times.first().copied()).fold(duration, f32::min).max(0.0);
         clip
     }
 

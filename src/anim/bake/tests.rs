@@ -20,7 +20,7 @@ fn turning(times: Vec<f32>, angles: &[f32], interpolation: Interpolation) -> Cli
     let values = angles.iter().map(|angle| Quat::from_rotation_z(*angle)).collect();
     let mut joint = JointCurves::new(JointIndex(0));
     joint.rotation = Some(Curve::rotation(times, values, interpolation).unwrap());
-    ClipCurves { name: "turn".to_owned(), joints: vec![joint], morphs: Vec::new() }
+    ClipCurves { name: "turn".to_owned(), joints: vec![joint], ..ClipCurves::default() }
 }
 
 fn sampled(clip: &Clip, time: f32) -> Vec<JointTransform> {
@@ -93,6 +93,18 @@ fn a_loop_is_told_by_its_seam_and_wraps() {
     let ends = turning(vec![0.0, 1.0], &[0.1, 0.9], Interpolation::Linear).bake(&arm());
     assert!(!ends.looping, "seam {} m", ends.report.seam);
     assert_eq!([-0.25, 3.25].map(|time| ends.wrap(time)), [0.0, 1.0]);
+}
+
+#[test]
+fn a_loop_can_lose_the_wait_before_its_first_key() {
+    let clip = turning(vec![0.1, 0.6, 1.1], &[0.1, 0.9, 0.1], Interpolation::Linear).bake(&arm());
+    assert!((clip.lead - 0.1).abs() < 1e-6, "lead of {} s", clip.lead);
+    let cut = clip.without_lead();
+    assert!((cut.duration - 1.0).abs() < 1e-5 && cut.lead < 1e-4, "{} s, lead {} s", cut.duration, cut.lead);
+    for time in [0.0, 0.33, 1.0] {
+        let apart = angle_between(sampled(&cut, time)[0].rotation, sampled(&clip, time + 0.1)[0].rotation);
+        assert!(apart < 1e-4, "{apart} rad apart at {time} s");
+    }
 }
 
 #[test]

@@ -8,17 +8,23 @@ use super::{Contact, Gait};
 use crate::anim::{clip::Clip, leg::Leg, pose::Pose, skeleton::Skeleton};
 
 /// Samples per second of clip, and how many at least and at most.
-const SAMPLES: (f32, usize, usize) = (120.0, 48, 1024);
+const SAMPLES: (f32, usize, usize) = (200.0, 128, 1024);
 /// A leg of this length takes the thresholds below as they are; others scale them.
 const LEG: f32 = 0.875;
 /// Metres over the ground below which a point of the sole may land, and above which it has left.
 const HEIGHT: (f32, f32) = (0.012, 0.025);
 /// Speeds against the ground below which a point may land, and above which it has left: m/s, and share of ground speed.
 const SPEED: [(f32, f32); 2] = [(0.15, 0.3), (0.3, 0.5)];
+/// What a clean clip's edges are cut by: metres over the ground, m/s against it, share of ground speed.
+const SHARP: (f32, f32, f32) = (0.006, 0.06, 0.04);
+/// Share of time that the lower foot is nearer to the ground than the ground height taken: a dip is not the ground.
+const DIPS: f32 = 0.25;
 /// Ground speed below this, m/s, is standing.
 const STANDING: f32 = 0.08;
 /// Seconds below which a gap in a stance is noise, and below which a stance is.
 const GAP: f32 = 0.03;
+/// Share of a loop below which a gap in a stance is noise: a swing takes a third of a stride.
+const LOOP_GAP: f32 = 0.1;
 
 /// Sole points over the clip.
 pub(super) struct Track {
@@ -98,14 +104,13 @@ impl Track {
 
     pub(super) fn gait(&self) -> Gait {
         let ground = self.ground();
-        let mut passing = self.ground_velocity(|sample, foot, point| {
-            self.height(sample, foot, point) < ground[foot] + HEIGHT.1 * self.size
-        });
-        let mut stands = [self.stance(0, ground[0], passing), self.stance(1, ground[1], passing)];
+        let mut passing = self
+            .ground_velocity(|sample, foot, point| self.height(sample, foot, point) < ground + HEIGHT.1 * self.size);
+        let mut stands = [self.stance(0, ground, passing), self.stance(1, ground, passing)];
         // Once more with what stands: swing's low passes no longer count.
         if stands.iter().flatten().any(|stands| *stands) {
             passing = self.ground_velocity(|sample, foot, _| stands[foot][sample % self.count()]);
-            stands = [self.stance(0, ground[0], passing), self.stance(1, ground[1], passing)];
+            stands = [0, 1].map(|foot| self.sharpened(foot, ground, passing, &self.stance(foot, ground, passing)));
         }
 
         let mut velocity = self.drift - passing;
@@ -117,7 +122,7 @@ impl Track {
             let heights = (0..self.count())
                 .filter(|&sample| stands[foot][sample])
                 .map(|sample| self.height(sample, foot, self.lowest(sample, foot)));
-            median(heights.collect()).unwrap_or(ground[foot])
+            median(heights.collect()).unwrap_or(ground)
         });
         let mut gait =
             Gait { velocity, speed: velocity.length(), sole_height, looping: self.looping, ..Gait::default() };
@@ -126,14 +131,13 @@ impl Track {
         gait
     }
 
-    /// Height of the ground under each foot: the lowest its sole gets, but no higher than a step over the other's.
-    fn ground(&self) -> [f32; 2] {
-        let lowest = [0, 1].map(|foot| {
-            let heights = (0..self.points.len()).map(|sample| self.height(sample, foot, self.lowest(sample, foot)));
-            heights.fold(f32::INFINITY, f32::min)
-        });
-        let both = lowest[0].min(lowest[1]) + HEIGHT.1 * self.size;
-        lowest.map(|height| height.min(both))
+    /// Height of the ground: that of the lower sole, most of the time that it is low.
+    fn ground(&self) -> f32 {
+        let lower = |sample| {
+            let of_foot = |foot| self.height(sample, foot, self.lowest(sample, foot));
+            f32::min(of_foot(0), of_foot(1))
+        };
+        quantile((0..self.points.len()).map(lower).collect(), DIPS).unwrap_or(0.0)
     }
 
     /// Horizontal velocity of the ground past the character: the median of what the lowest points do where `counts`.
@@ -155,14 +159,11 @@ impl Track {
     /// By sample: whether the foot stands on ground at height `ground` that moves with `passing`.
     fn stance(&self, foot: usize, ground: f32, passing: Vec3) -> Vec<bool> {
         let count = self.count();
-        let near = |sample: usize, loose: bool| {
-            let height = if loose { HEIGHT.1 } else { HEIGHT.0 } * self.size;
-            let (slow, share) = SPEED[usize::from(loose)];
+        let near = |sample: usize, standing: bool| {
+            let height = if standing { HEIGHT.1 } else { HEIGHT.0 } * self.size;
+            let (slow, share) = SPEED[usize::from(standing)];
             let speed = slow * self.size.sqrt() + share * passing.length();
-            (0..3).any(|point| {
-                let slip = self.velocity(sample, foot, point) - passing;
-                self.height(sample, foot, point) < ground + height && Vec3::new(slip.x, 0.0, slip.z).length() < speed
-            })
+            self.is_near(sample, foot, ground + height, passing, speed)
         };
         let mut stands = vec![false; count];
         let mut standing = near(0, false);
@@ -172,9 +173,61 @@ impl Track {
             standing = near(sample, standing);
             stands[sample] = standing;
         }
-        let shortest = ((GAP * self.size.sqrt() * count as f32 / self.duration.max(GAP)) as usize).min(count / 4);
-        clean(&mut stands, false, shortest, self.looping);
-        clean(&mut stands, true, shortest, self.looping);
+        self.without_noise(stands)
+    }
+
+    /// Stances with edges as sharp as the clip is clean: the middle of each tells how still its feet stand.
+    fn sharpened(&self, foot: usize, ground: f32, passing: Vec3, stands: &[bool]) -> Vec<bool> {
+        let count = stands.len();
+        if stands.iter().all(|stands| *stands) {
+            return stands.to_vec();
+        }
+        let mut sharp = vec![false; count];
+        for (start, length) in runs(stands, true, self.looping) {
+            let middle = start + length / 4..=start + length - 1 - length / 4;
+            let (mut heights, mut slips) = (Vec::new(), Vec::new());
+            for sample in middle.map(|sample| sample % count) {
+                let stillest = (0..3)
+                    .filter(|&point| self.height(sample, foot, point) < ground + HEIGHT.1 * self.size)
+                    .map(|point| (self.slip(sample, foot, point, passing), self.height(sample, foot, point) - ground))
+                    .min_by(|a, b| a.0.total_cmp(&b.0));
+                if let Some((slip, height)) = stillest {
+                    slips.push(slip);
+                    heights.push(height);
+                }
+            }
+            let usual = |values: Vec<f32>| 2.0 * quantile(values, 0.9).unwrap_or(0.0);
+            let height = usual(heights).clamp(SHARP.0 * self.size, HEIGHT.1 * self.size);
+            let (least, most) = (SHARP.1 * self.size.sqrt() + SHARP.2 * passing.length(), SPEED[1]);
+            let most = most.0 * self.size.sqrt() + most.1 * passing.length();
+            let speed = usual(slips).clamp(least, most);
+            let near = |sample: &usize| self.is_near(*sample % count, foot, ground + height, passing, speed);
+            let mut run = start..start + length;
+            if let (Some(first), last) = (run.find(near), run.rfind(near)) {
+                (first..=last.unwrap_or(first)).for_each(|sample| sharp[sample % count] = true);
+            }
+        }
+        self.without_noise(sharp)
+    }
+
+    /// Whether a point of the sole is below `height` and slower than `speed` against the ground.
+    fn is_near(&self, sample: usize, foot: usize, height: f32, passing: Vec3, speed: f32) -> bool {
+        (0..3).any(|point| self.height(sample, foot, point) < height && self.slip(sample, foot, point, passing) < speed)
+    }
+
+    /// Horizontal speed of a point against the ground, m/s.
+    fn slip(&self, sample: usize, foot: usize, point: usize, passing: Vec3) -> f32 {
+        let slip = self.velocity(sample, foot, point) - passing;
+        Vec3::new(slip.x, 0.0, slip.z).length()
+    }
+
+    /// Gaps and stances too short to be any taken out.
+    fn without_noise(&self, mut stands: Vec<bool>) -> Vec<bool> {
+        let count = stands.len();
+        let least = GAP * self.size.sqrt() / self.duration.max(GAP);
+        let samples = |share: f32| ((share * count as f32) as usize).min(count / 4);
+        clean(&mut stands, false, samples(if self.looping { least.max(LOOP_GAP) } else { least }), self.looping);
+        clean(&mut stands, true, samples(least), self.looping);
         stands
     }
 
@@ -214,12 +267,14 @@ fn runs(samples: &[bool], value: bool, looping: bool) -> impl Iterator<Item = (u
     })
 }
 
-fn median(mut values: Vec<f32>) -> Option<f32> {
+fn median(values: Vec<f32>) -> Option<f32> {
+    quantile(values, 0.5)
+}
+
+/// The value that a `share` of `values` lies below.
+fn quantile(mut values: Vec<f32>, share: f32) -> Option<f32> {
     values.sort_by(f32::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() {
-        0 => None,
-        odd if odd % 2 == 1 => Some(values[middle]),
-        _ => Some(0.5 * (values[middle - 1] + values[middle])),
-    }
+    let place = share * values.len().saturating_sub(1) as f32;
+    let (below, above) = (values.get(place as usize)?, values.get(place.ceil() as usize)?);
+    Some(below + (above - below) * place.fract())
 }

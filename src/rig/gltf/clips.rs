@@ -6,6 +6,7 @@ use gltf::json::{
     animation::{Animation, Channel, Interpolation as GltfInterpolation, Property},
     validation::Checked,
 };
+use serde::Deserialize;
 
 use super::{accessor::Source, error::RigError, nodes, nodes::Nodes};
 use crate::anim::{
@@ -21,7 +22,10 @@ pub(super) fn read(source: &Source, nodes: &Nodes) -> Result<Vec<ClipCurves>, Ri
 
 fn read_one(source: &Source, nodes: &Nodes, index: usize, animation: &Animation) -> Result<ClipCurves, RigError> {
     let name = animation.name.clone().unwrap_or_else(|| format!("clip{index}"));
-    let mut clip = ClipCurves { name, ..ClipCurves::default() };
+    let told = animation.extras.as_ref().and_then(|extras| serde_json::from_str(extras.get()).ok());
+    let Told { looping, ground_speed } = told.unwrap_or_default();
+    let ground_speed = ground_speed.filter(|speed| speed.is_finite() && *speed >= 0.0);
+    let mut clip = ClipCurves { name, looping, ground_speed, ..ClipCurves::default() };
     for channel in &animation.channels {
         let node = channel.target.node.value();
         let Some(joint) = nodes.joints.get(node).copied().flatten() else { continue };
@@ -30,6 +34,15 @@ fn read_one(source: &Source, nodes: &Nodes, index: usize, animation: &Animation)
     }
     clip.joints.sort_by_key(|curves| curves.joint);
     Ok(clip)
+}
+
+/// What an animation's `extras` may say.
+#[derive(Default, Deserialize)]
+struct Told {
+    #[serde(default, rename = "loop")]
+    looping: Option<bool>,
+    #[serde(default, rename = "speed")]
+    ground_speed: Option<f32>,
 }
 
 struct ChannelReader<'a> {
