@@ -225,7 +225,8 @@ impl CharacterAsset {
                 length = 2.0 * self.leg_length / (legs[0].length() + legs[1].length());
             }
         }
-        if !clip.moving_joints().any(|joint| pairs.iter().any(|pair| pair.0 == joint)) && clip.duration > 0.0 {
+        let mut moving = clip.moving_joints().peekable();
+        if moving.peek().is_some() && !moving.any(|joint| pairs.iter().any(|pair| pair.0 == joint)) {
             return Err(CharacterError::Foreign {
                 name: name.to_owned(),
                 file: file.to_owned(),
