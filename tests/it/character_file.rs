@@ -13,7 +13,7 @@ use bevy::{
     prelude::*,
 };
 use surefoot::{
-    anim::{leg::LEFT, pose::Pose},
+    anim::{gait::Gait, leg::LEFT, pose::Pose},
     rig::{Rig, character::CharacterAsset, character_file::CharacterFile, humanoid::HumanoidRole, loader::RigPlugin},
 };
 
@@ -207,7 +207,7 @@ fn values_out_of_range_say_what_is_valid() {
         (r#"(clips: {"walk": (speed: -1.0)})"#, "`clips[\"walk\"].speed` is -1; valid is 0.01 to 100"),
         ("(foot_ik: (pitch_limit: 120.0))", "`foot_ik.pitch_limit` is 120°; valid is 0 to 90°"),
         ("(foot_ik: (step_time: 0.0))", "`foot_ik.step_time` is 0 s; valid is 0.02 to 5 s"),
-        ("(motion: (walk_speed: inf))", "`motion.walk_speed` is inf; valid is a finite number"),
+        ("(motion: (walk_speed: inf))", "motion.walk_speed is inf; valid is a number from 0 up"),
         (
             "(locomotion: (rate_range: (2.0, 1.0)))",
             "`locomotion.rate_range` is (2, 1); valid is a smaller and a larger number from 0.05 to 10",
@@ -309,5 +309,48 @@ fn load_errors_name_the_file_and_what_is_wrong() {
         let handle = files.app.world().resource::<AssetServer>().load(path);
         let error = files.settle(&handle).expect("the file is bad");
         assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    }
+}
+
+#[test]
+fn the_shipped_character_loads_with_every_field_at_its_default() {
+    let text = include_str!("../../assets/mannequin.character.ron");
+    let file = CharacterFile::parse(text).expect("the shipped file is good");
+    let written = |file: &CharacterFile| ron::to_string(file).expect("a character file can be written");
+    assert_eq!(written(&file), written(&CharacterFile::default()), "the file spells out the defaults");
+    let parts: [&dyn PartialReflect; 4] = [&file, &file.motion, &file.locomotion, &file.foot_ik];
+    for part in parts {
+        let fields = part.reflect_ref().as_struct().expect("tuning is made of structs");
+        for name in (0..fields.field_len()).filter_map(|index| fields.name_at(index)) {
+            assert!(text.contains(&format!("{name}:")), "assets/mannequin.character.ron lacks the field {name}");
+        }
+    }
+}
+
+#[test]
+fn the_mannequin_walks_at_the_speed_its_baker_meant() {
+    let bytes = include_bytes!("../../assets/mannequin.glb");
+    let rig = Rig::from_slice(bytes, |_| Err("no files".to_owned())).expect("the mannequin is good");
+    assert_eq!(rig.notes, [""; 0]);
+    let file = CharacterFile::default();
+    let asset = CharacterAsset::resolve(file, "mannequin.glb".into(), rig, &BTreeMap::new()).expect("it is a humanoid");
+    let rest = Pose::rest(&asset.skeleton);
+    for (foot, leg) in asset.legs.iter().enumerate() {
+        for point in leg.sole() {
+            let height = point.position(&rest).y;
+            assert!(height.abs() < 1e-3, "foot {foot} has a sole point at {height} m");
+        }
+    }
+    for (name, speed, stance) in [("walk", 1.4, 0.59), ("run", 3.5, 0.36)] {
+        let clip = asset.clip(name).unwrap_or_else(|| panic!("{name} is in the file"));
+        let found = Gait::analyze(&clip.clip, &asset.skeleton, &asset.legs);
+        assert!((found.speed - speed).abs() < 0.01, "{name} goes at {} m/s, not {speed}", found.speed);
+        assert!(clip.clip.report.max_error < 1e-4, "{name} is off by {} m", clip.clip.report.max_error);
+        for foot in 0..2 {
+            let contact = clip.gait.contact[foot][0];
+            assert!((contact.start - 0.5 * foot as f32).abs() < 0.02, "{name}: foot {foot} lands at {}", contact.start);
+            let length = contact.end - contact.start;
+            assert!((length - stance).abs() < 0.05, "{name}: foot {foot} stands for {length}, not {stance}");
+        }
     }
 }

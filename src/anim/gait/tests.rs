@@ -140,6 +140,21 @@ fn root_motion_counts_as_speed() {
 }
 
 #[test]
+fn feet_in_the_air_never_stand() {
+    let (mut clip, skeleton) = WALK.clip();
+    let mut legs = WALK.legs();
+    for leg in &mut legs {
+        for point in [&mut leg.heel, &mut leg.ball, &mut leg.tip] {
+            point.offset.y += 0.3;
+        }
+    }
+    clip.looping = true;
+    let gait = Gait::analyze(&clip, &skeleton, &legs);
+    assert_eq!(gait.contact, [vec![], vec![]]);
+    assert_eq!((gait.contact_weight(0, 0.4), gait.phase_to_landing(0, 0.4), gait.speed), (0.0, None, 0.0));
+}
+
+#[test]
 fn walking_backward_heads_backward() {
     let gait = Walker { speed: -1.0, ..WALK }.gait();
     assert_near("speed", gait.velocity.z, 1.0, 0.02);

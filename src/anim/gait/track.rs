@@ -23,8 +23,11 @@ const DIPS: f32 = 0.25;
 const STANDING: f32 = 0.08;
 /// Seconds below which a gap in a stance is noise, and below which a stance is.
 const GAP: f32 = 0.03;
-/// Share of a loop below which a gap in a stance is noise: a swing takes a third of a stride.
-const LOOP_GAP: f32 = 0.1;
+/// Shares of a loop below which a gap in a stance is noise, and below which a stance is: a swing takes a third of a
+/// stride, a sprinter's stance a quarter.
+const LOOP: (f32, f32) = (0.1, 0.08);
+/// Metres over the model's ground plane above which the lower sole is in the air for good.
+const AIRBORNE: f32 = 0.1;
 
 /// Sole points over the clip.
 pub(super) struct Track {
@@ -91,19 +94,16 @@ impl Track {
         self.points[sample][foot][point].y
     }
 
-    /// The lowest point of a foot at a sample.
+    /// The lower of heel and ball at a sample. Tips don't count: stylised feet push them through the ground.
     fn lowest(&self, sample: usize, foot: usize) -> usize {
-        let mut lowest = 0;
-        for point in 1..3 {
-            if self.height(sample, foot, point) < self.height(sample, foot, lowest) {
-                lowest = point;
-            }
-        }
-        lowest
+        usize::from(self.height(sample, foot, 1) < self.height(sample, foot, 0))
     }
 
     pub(super) fn gait(&self) -> Gait {
         let ground = self.ground();
+        if ground > AIRBORNE * self.size {
+            return Gait { sole_height: [ground; 2], looping: self.looping, strides: 1, ..Gait::default() };
+        }
         let mut passing = self
             .ground_velocity(|sample, foot, point| self.height(sample, foot, point) < ground + HEIGHT.1 * self.size);
         let mut stands = [self.stance(0, ground, passing), self.stance(1, ground, passing)];
@@ -226,8 +226,9 @@ impl Track {
         let count = stands.len();
         let least = GAP * self.size.sqrt() / self.duration.max(GAP);
         let samples = |share: f32| ((share * count as f32) as usize).min(count / 4);
-        clean(&mut stands, false, samples(if self.looping { least.max(LOOP_GAP) } else { least }), self.looping);
-        clean(&mut stands, true, samples(least), self.looping);
+        let (gap, stance) = if self.looping { (least.max(LOOP.0), least.max(LOOP.1)) } else { (least, least) };
+        clean(&mut stands, false, samples(gap), self.looping);
+        clean(&mut stands, true, samples(stance), self.looping);
         stands
     }
 

@@ -12,16 +12,11 @@ use super::{
 use crate::rig::names::{listed, suggestion};
 
 /// A value out of its range.
-#[derive(thiserror::Error, Clone, Debug, PartialEq)]
-#[error("`{field}` is {value}; valid is {valid}")]
-pub struct RangeError {
-    /// Path of the field in the file.
-    pub field: String,
-    /// What it has.
-    pub value: String,
-    /// What it may have.
-    pub valid: String,
-}
+///
+/// The message names the field as a path in the file, its value and what would be valid.
+#[derive(thiserror::Error, Clone, Debug, PartialEq, Eq)]
+#[error("{0}")]
+pub struct RangeError(String);
 
 /// Checks fields of one part of a file.
 pub struct Ranges {
@@ -72,7 +67,7 @@ impl Ranges {
     /// An error about `field`.
     #[must_use]
     pub fn fail(&self, field: &str, value: String, valid: String) -> RangeError {
-        RangeError { field: format!("{}{field}", self.prefix), value, valid }
+        RangeError(format!("`{}{field}` is {value}; valid is {valid}", self.prefix))
     }
 
     /// Whether every number anywhere in `value` is finite.
@@ -119,9 +114,10 @@ impl MotionConfig {
     /// # Errors
     /// With the first value out of range.
     pub fn check(&self, ranges: &Ranges) -> Result<(), RangeError> {
-        ranges.finite(self)?;
-        ranges.within("walk_speed", self.walk_speed, 0.0..=50.0, " m/s")?;
-        ranges.within("run_speed", self.run_speed, 0.0..=50.0, " m/s")
+        match self.problem() {
+            None => Ok(()),
+            Some(problem) => Err(RangeError(format!("{}{problem}", ranges.prefix))),
+        }
     }
 }
 
