@@ -1,5 +1,7 @@
 //! All integration tests in one binary, since each one links for seconds.
 
+#[cfg(feature = "game")]
+mod camera;
 mod character_file;
 mod clips;
 mod gltf_file;
@@ -8,3 +10,5 @@ mod mannequin;
 mod motion;
 mod rig;
 mod support;
+#[cfg(feature = "game")]
+mod terrain;
