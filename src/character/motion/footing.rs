@@ -75,35 +75,30 @@ pub(super) fn footing(view: &View, shapes: &MotionShapes, at: Vec3, look: Look) 
     let radius = shapes.foot_radius;
     let centre = at + Vec3::Y * (look.up + shapes.radius);
     let lift = shapes.radius - radius;
-    let Some(hit) = view.lower(&shapes.foot, centre, look.up + lift + look.down) else {
+    let Some(lowered) = view.lower(&shapes.foot, radius, centre, look.up + lift + look.down) else {
         return Footing::Air;
     };
     let deepest = look.down + hover(radius, Vec3::Y * look.limit_cos);
     let start = Vec3::new(at.x, at.y + look.up + lift, at.z);
     let below = view.floor(start, Dir3::NEG_Y, look.up + lift + deepest);
     let floor = below.filter(|floor| walkable(floor.normal, look.limit_cos));
-    let hit = sharpened(view, shapes, centre, hit, floor);
-    let height = centre.y - hit.distance - radius;
+    let hit = if lowered.exact { lowered.hit } else { sharpened(view, shapes, centre, lowered.hit, floor) };
     if hit.point.y > at.y + look.highest {
         // The ball came down on something too high to step on: back to where it stands beside it.
         let flat = Vec3::new(hit.normal.x, 0.0, hit.normal.z).length();
         return Footing::Wall { normal: as_wall(hit.normal), back: radius * (1.0 - flat).max(0.0) };
     }
+    let touch = Touch { at, look, radius, height: centre.y - hit.distance - radius, hit, floor };
     let stands = walkable(hit.normal, look.limit_cos);
-    let steepest = if stands { hit.normal } else { Vec3::Y * look.limit_cos };
-    let level = level(height, hit.point.y, hover(radius, steepest), floor);
-    let near = floor.filter(|floor| (floor.height - level).abs() < 0.02);
-    let support = Support {
-        height,
-        level,
-        collider: near.map_or(hit.collider, |floor| floor.collider),
-        normal: floor.map_or(Vec3::Y, |floor| floor.normal),
-        point: hit.point,
-    };
+    let support = touch.support(stands);
     if stands {
-        return Footing::Support(support);
+        Footing::Support(support)
+    } else if touch.is_low(view) {
+        // A step if there is something below as well; else the edge of a cliff.
+        if below.is_some() { Footing::Support(support) } else { Footing::Slip(support) }
+    } else {
+        touch.steep(support)
     }
-    steep(view, shapes, at, look, &hit, support, floor, below.is_some())
 }
 
 /// The ball's hit made exact: by the plane that the ray found if the ball lies on it, else by a closer look.
@@ -130,57 +125,73 @@ fn level(ball: f32, contact: f32, hover: f32, floor: Option<Floor>) -> f32 {
     floor.map_or(contact.max(ball), |floor| floor.height.clamp(lowest, highest))
 }
 
-/// Sorts out a contact that is too steep to stand on by itself.
-fn steep(
-    view: &View,
-    shapes: &MotionShapes,
+/// What the lowered ball touched, and the ground under its middle.
+struct Touch {
+    /// The body's lowest point when the look began.
     at: Vec3,
     look: Look,
-    hit: &Hit,
-    support: Support,
+    /// The ball's radius.
+    radius: f32,
+    /// Height of the ball's lowest point.
+    height: f32,
+    hit: Hit,
+    /// Ground to walk on straight below.
     floor: Option<Floor>,
-    has_bottom: bool,
-) -> Footing {
-    let normal = as_wall(hit.normal);
-    if is_low(view, at, look, hit, normal) {
-        // A step if there is something below as well; else the edge of a cliff.
-        return if has_bottom { Footing::Support(support) } else { Footing::Slip(support) };
-    }
-    let slope = Vec3::new(hit.normal.x, 0.0, hit.normal.z).length();
-    let Some(floor) = floor else {
-        let climbs = support.height > at.y + 1e-3;
-        return if climbs { Footing::Wall { normal, back: f32::INFINITY } } else { Footing::Slip(support) };
-    };
-    let height = floor.height + hover(shapes.foot_radius, floor.normal);
-    let lifted = support.height - height;
-    if lifted <= NUDGE {
-        let level = floor.height;
-        return Footing::Support(Support { height, level, collider: floor.collider, ..support });
-    }
-    let back = if slope > 1e-3 { lifted * hit.normal.y.max(0.0) / slope } else { f32::INFINITY };
-    Footing::Wall { normal, back }
 }
 
-/// Whether the obstacle touched can be stepped on or over: no higher than where the look began, as far as a stride reaches.
-fn is_low(view: &View, at: Vec3, look: Look, hit: &Hit, normal: Vec3) -> bool {
-    let above = at.y + look.up + 0.01;
-    let Ok(into) = Dir3::new(-normal) else { return true };
-    if hit.point.y > above {
-        return false;
+impl Touch {
+    fn support(&self, stands: bool) -> Support {
+        let steepest = if stands { self.hit.normal } else { Vec3::Y * self.look.limit_cos };
+        let level = level(self.height, self.hit.point.y, hover(self.radius, steepest), self.floor);
+        let near = self.floor.filter(|floor| (floor.height - level).abs() < 0.02);
+        Support {
+            height: self.height,
+            level,
+            collider: near.map_or(self.hit.collider, |floor| floor.collider),
+            normal: self.floor.map_or(Vec3::Y, |floor| floor.normal),
+            point: self.hit.point,
+        }
     }
-    let from = Vec3::new(at.x, above, at.z);
-    let away = (hit.point - at).dot(*into).max(0.0);
-    view.floor(from, into, away + STRIDE_OVER).is_none() || has_top(view, above, look, hit, *into)
-}
 
-/// Whether there is a top to stand on just behind the contact, whatever towers behind that.
-fn has_top(view: &View, above: f32, look: Look, hit: &Hit, into: Vec3) -> bool {
-    INTO.iter().any(|depth| {
-        let from = Vec3::new(hit.point.x, above, hit.point.z) + into * *depth;
-        let reach = above - hit.point.y + 0.02;
-        view.floor(from, Dir3::NEG_Y, reach)
-            .is_some_and(|top| walkable(top.normal, look.limit_cos) && top.height < above - 1e-4)
-    })
+    /// Whether the obstacle touched can be stepped on or over: as far as a stride reaches no higher than where the look began.
+    fn is_low(&self, view: &View) -> bool {
+        let above = self.at.y + self.look.up + 0.01;
+        let Ok(into) = Dir3::new(-as_wall(self.hit.normal)) else { return true };
+        if self.hit.point.y > above {
+            return false;
+        }
+        let away = (self.hit.point - self.at).dot(*into).max(0.0);
+        let over = view.floor(self.at.with_y(above), into, away + STRIDE_OVER);
+        over.is_none() || self.has_top(view, above, *into)
+    }
+
+    /// Whether there is a top to stand on just behind the contact, whatever towers behind that.
+    fn has_top(&self, view: &View, above: f32, into: Vec3) -> bool {
+        INTO.iter().any(|depth| {
+            let from = self.hit.point.with_y(above) + into * *depth;
+            let reach = above - self.hit.point.y + 0.02;
+            view.floor(from, Dir3::NEG_Y, reach)
+                .is_some_and(|top| walkable(top.normal, self.look.limit_cos) && top.height < above - 1e-4)
+        })
+    }
+
+    /// Sorts out a contact with something steep that is too high to step on.
+    fn steep(&self, support: Support) -> Footing {
+        let normal = as_wall(self.hit.normal);
+        let Some(floor) = self.floor else {
+            let climbs = self.height > self.at.y + 1e-3;
+            return if climbs { Footing::Wall { normal, back: f32::INFINITY } } else { Footing::Slip(support) };
+        };
+        let height = floor.height + hover(self.radius, floor.normal);
+        let lifted = self.height - height;
+        if lifted <= NUDGE {
+            let level = floor.height;
+            return Footing::Support(Support { height, level, collider: floor.collider, ..support });
+        }
+        let flat = Vec3::new(self.hit.normal.x, 0.0, self.hit.normal.z).length();
+        let back = if flat > 1e-3 { lifted * self.hit.normal.y.max(0.0) / flat } else { f32::INFINITY };
+        Footing::Wall { normal, back }
+    }
 }
 
 #[cfg(test)]

@@ -8,9 +8,11 @@
 
 mod body;
 mod capsule;
+mod casts;
 mod fly;
 mod footing;
 mod frame;
+mod heightfield;
 mod jump;
 mod place;
 mod planes;

@@ -30,7 +30,9 @@ pub(super) fn follow_ground(body: &mut MotionBody, travelled: Travelled, config:
     let most = config.step_up.max(config.step_down).max(0.0);
     let lag = (body.lag.value - step).clamp(-most, most);
     body.lag.value = lag;
-    body.lag.step(0.0, config.step_half_life, dt);
+    // No longer than the body takes to go its own radius, so that a sprint up the stairs isn't left a step behind.
+    let pace = body.velocity.length().max(1e-3);
+    body.lag.step(0.0, config.step_half_life.min(config.radius / pace), dt);
     body.lag.value - lag
 }
 

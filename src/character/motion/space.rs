@@ -4,11 +4,9 @@
 
 use avian3d::{
     character_controller::move_and_slide::DepenetrationConfig,
-    collision::collider::contact_query::contact_manifolds,
     prelude::{
-        AngularVelocity, Collider, ColliderOf, ComputedCenterOfMass, ComputedMass, ContactManifold,
-        CustomPositionIntegration, LinearVelocity, MoveAndSlide, Position, RigidBody, Rotation, ShapeCastConfig,
-        SimpleCollider, SpatialQueryFilter,
+        AngularVelocity, Collider, ColliderOf, ComputedCenterOfMass, ComputedMass, CustomPositionIntegration,
+        LinearVelocity, MoveAndSlide, Position, RigidBody, Rotation, SimpleCollider, SpatialQueryFilter,
     },
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
@@ -21,19 +19,10 @@ pub(super) const SKIN: f32 = 0.01;
 /// Depth in metres up to which a body is pushed out of another; deeper contacts are taken for nonsense.
 const DEEPEST: f32 = 20.0;
 
-/// Most in metres by which a cast is taken to stop early.
-const CAST_ERROR: f32 = 0.04;
-
-/// A way that leads into a surface by less than this sine leads along it.
-const GRAZING: f32 = 1e-3;
-
-/// Surfaces grazed in one sweep before it is taken to be free.
-const GRAZES: usize = 3;
-
 /// The world as all characters see it.
 #[derive(SystemParam)]
 pub(super) struct Space<'w, 's> {
-    casts: MoveAndSlide<'w, 's>,
+    pub(super) casts: MoveAndSlide<'w, 's>,
     owners: Query<'w, 's, &'static ColliderOf>,
     kinds: Query<'w, 's, &'static RigidBody>,
     bodies: Query<
@@ -75,16 +64,6 @@ pub(super) struct Hit {
     pub(super) collider: Entity,
 }
 
-/// Where a shape is nearest to a part of a collider.
-#[derive(Clone, Copy, Debug)]
-struct Contact {
-    /// Unit normal toward the character.
-    normal: Vec3,
-    /// Metres between them; negative where they overlap.
-    gap: f32,
-    point: Vec3,
-}
-
 /// A surface below.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Floor {
@@ -119,117 +98,10 @@ impl GroundBody {
 }
 
 impl View<'_> {
-    fn meets(&self, collider: Entity, without: Entity) -> bool {
+    pub(super) fn meets(&self, collider: Entity, without: Entity) -> bool {
         // Sensors are not among these colliders.
         self.space.casts.colliders.contains(collider)
             && self.space.owners.get(collider).is_ok_and(|owner| owner.body != self.me && owner.body != without)
-    }
-
-    /// The first thing that `shape`, upright at `from`, meets on its `way`.
-    pub(super) fn sweep(&self, shape: &Collider, from: Vec3, way: Vec3) -> Option<Hit> {
-        self.sweep_without(shape, from, way, self.me)
-    }
-
-    /// [`sweep`](Self::sweep) that doesn't meet the body `without`.
-    pub(super) fn sweep_without(&self, shape: &Collider, from: Vec3, way: Vec3, without: Entity) -> Option<Hit> {
-        let (direction, length) = Dir3::new_and_length(way).ok()?;
-        let mut grazed = None;
-        for _ in 0..GRAZES {
-            let hit = self.cast(shape, from, direction, length + SKIN, |collider| {
-                Some(collider) != grazed && self.meets(collider, without)
-            })?;
-            let Some(hit) = self.sharpen_sweep(shape, from, direction, hit) else {
-                grazed = Some(hit.collider);
-                continue;
-            };
-            // Grazing hits would ask for an endless pull back.
-            let toward = (-hit.normal.dot(*direction)).max(0.005);
-            let safe = (hit.distance - SKIN / toward).clamp(0.0, length);
-            return Some(Hit { safe, ..hit });
-        }
-        None
-    }
-
-    /// The first thing that a ball lowered from `centre` touches within `reach` metres.
-    pub(super) fn lower(&self, ball: &Collider, centre: Vec3, reach: f32) -> Option<Hit> {
-        self.cast(ball, centre, Dir3::NEG_Y, reach, |collider| self.meets(collider, self.me))
-    }
-
-    fn cast(
-        &self,
-        shape: &Collider,
-        from: Vec3,
-        direction: Dir3,
-        reach: f32,
-        meets: impl Fn(Entity) -> bool,
-    ) -> Option<Hit> {
-        // Numbers that overflow find nothing; the tick then puts the body back.
-        if !from.is_finite() || !reach.is_finite() {
-            return None;
-        }
-        let config = ShapeCastConfig { ignore_origin_penetration: true, ..ShapeCastConfig::from_max_distance(reach) };
-        let query = &self.space.casts.spatial_query;
-        let hit = query.cast_shape_predicate(shape, from, Quat::IDENTITY, direction, &config, &self.filter, &meets)?;
-        let (distance, normal, point) = (hit.distance, hit.normal1, hit.point1);
-        let sound = distance.is_finite() && normal.is_finite() && point.is_finite();
-        sound.then_some(Hit { distance, safe: distance, normal, point, collider: hit.entity })
-    }
-
-    /// The hit with its exact distance and normal; `None` where the shape only grazes what was hit.
-    ///
-    /// Casts iterate: beside a box of a hundred metres they stop centimetres early. The contact at that place is exact.
-    fn sharpen_sweep(&self, shape: &Collider, from: Vec3, direction: Dir3, hit: Hit) -> Option<Hit> {
-        let at = from + direction * hit.distance;
-        let contacts = self.contacts(shape, at, hit.collider, CAST_ERROR);
-        let alike = |contact: &&Contact| contact.normal.dot(hit.normal) > 0.8;
-        let mut near = contacts.iter().filter(alike).peekable();
-        if near.peek().is_none() {
-            return Some(hit);
-        }
-        near.filter(|contact| contact.normal.dot(*direction) < -GRAZING)
-            .map(|contact| {
-                let further = contact.gap / -contact.normal.dot(*direction);
-                let distance = (hit.distance + further.clamp(-CAST_ERROR, CAST_ERROR)).max(0.0);
-                Hit { distance, normal: contact.normal, point: contact.point, ..hit }
-            })
-            .min_by(|a, b| a.distance.total_cmp(&b.distance))
-    }
-
-    /// A lowered ball's hit with its exact distance and normal.
-    pub(super) fn sharpen_lowering(&self, ball: &Collider, centre: Vec3, hit: Hit) -> Hit {
-        let mut sharp = hit;
-        // Twice, since an edge is straight for the first millimetres only.
-        for _ in 0..2 {
-            let at = centre - Vec3::Y * sharp.distance;
-            let contacts = self.contacts(ball, at, hit.collider, CAST_ERROR);
-            let first = contacts
-                .iter()
-                .filter(|contact| contact.normal.y > 0.05)
-                .min_by(|a, b| (a.gap / a.normal.y).total_cmp(&(b.gap / b.normal.y)));
-            let Some(first) = first else { break };
-            let further = (first.gap / first.normal.y).clamp(-CAST_ERROR, CAST_ERROR);
-            let distance = (sharp.distance + further).max(0.0);
-            sharp = Hit { distance, safe: distance, normal: first.normal, point: first.point, ..hit };
-            if further.abs() < 1e-3 {
-                break;
-            }
-        }
-        sharp
-    }
-
-    /// Where a shape is nearest to a collider, for each part of it that is within `reach` metres.
-    fn contacts(&self, shape: &Collider, at: Vec3, collider: Entity, reach: f32) -> Vec<Contact> {
-        let Ok((other, &position, &rotation, _)) = self.space.casts.colliders.get(collider) else {
-            return Vec::new();
-        };
-        let mut manifolds = Vec::new();
-        contact_manifolds(shape, at, Quat::IDENTITY, other, position, rotation, reach, &mut manifolds);
-        let nearest = |manifold: &ContactManifold| {
-            let deepest = manifold.find_deepest_contact()?;
-            let contact = Contact { normal: -manifold.normal, gap: -deepest.penetration, point: deepest.point };
-            (contact.normal.is_finite() && contact.gap.is_finite() && contact.point.is_finite()).then_some(contact)
-        };
-        manifolds.iter().filter_map(nearest).collect()
     }
 
     /// The surface straight below (or above) `from`, within `reach` metres.

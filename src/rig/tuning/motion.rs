@@ -48,7 +48,7 @@ pub struct MotionConfig {
     pub step_up: f32,
     /// Deepest step walked down without a fall, metres. Default 0.35.
     pub step_down: f32,
-    /// Half-life in which the root follows a step of the ground, seconds. Default 0.05.
+    /// Half-life in which the root follows a step of the ground, seconds. Default 0.07.
     ///
     /// Short: the root jumps with every stair. Long: it lags behind the stairs.
     pub step_half_life: f32,
@@ -91,7 +91,7 @@ impl Default for MotionConfig {
             slope_limit: 45f32.to_radians(),
             step_up: 0.35,
             step_down: 0.35,
-            step_half_life: 0.05,
+            step_half_life: 0.07,
             gravity: 14.0,
             fall_speed: 50.0,
             jump_height: 0.9,

@@ -38,7 +38,7 @@ fn riders_do_not_drift_on_platforms_that_move_and_turn() {
         let mut app = world(HZ);
         let platform = platform(&mut app, Vec3::Y * -0.25, linear, angular);
         let rider = walker(&mut app, Vec3::new(1.5, 0.0, 0.5));
-        updates(&mut app, 16);
+        updates(&mut app, 64);
         let start = place_on(&app, platform, rider);
         let facing = |app: &App| {
             let of =

@@ -1,0 +1,226 @@
+//! Shape casts made exact: sweeps of a body, and a ball lowered onto the ground. World space, metres.
+//!
+//! The physics engine's casts iterate and stop early beside large shapes; what they find is sharpened by the contact at
+//! that place. Heightfields are met without iteration.
+
+use core::cell::Cell;
+
+use avian3d::{
+    collision::collider::contact_query::contact_manifolds,
+    prelude::{Collider, ContactManifold, ShapeCastConfig, SimpleCollider},
+};
+use bevy::prelude::*;
+
+use super::{
+    frame::Frame,
+    heightfield::{Rest, Span, reaches_into, rest_on_triangle, triangles_in},
+    space::{Hit, SKIN, View},
+};
+
+/// Most in metres by which a cast is taken to stop early.
+const CAST_ERROR: f32 = 0.04;
+
+/// A way that leads into a surface by less than this sine leads along it.
+const GRAZING: f32 = 1e-3;
+
+/// Surfaces grazed in one sweep before it is taken to be free.
+const GRAZES: usize = 3;
+
+/// Where a shape is nearest to a part of a collider.
+#[derive(Clone, Copy, Debug)]
+struct Contact {
+    /// Unit normal toward the character.
+    normal: Vec3,
+    /// Metres between them; negative where they overlap.
+    gap: f32,
+    point: Vec3,
+}
+
+/// What a lowered ball touched.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lowered {
+    pub(super) hit: Hit,
+    /// Whether the distance is exact already.
+    pub(super) exact: bool,
+}
+
+impl View<'_> {
+    /// The first thing that `shape`, upright at `from`, meets on its `way`.
+    pub(super) fn sweep(&self, shape: &Collider, from: Vec3, way: Vec3) -> Option<Hit> {
+        self.sweep_without(shape, from, way, self.me)
+    }
+
+    /// [`sweep`](Self::sweep) that doesn't meet the body `without`.
+    pub(super) fn sweep_without(&self, shape: &Collider, from: Vec3, way: Vec3, without: Entity) -> Option<Hit> {
+        let (direction, length) = Dir3::new_and_length(way).ok()?;
+        let mut grazed = None;
+        let start = shape.aabb(from, Quat::IDENTITY);
+        let end = way + *direction * SKIN;
+        let slack = Vec3::splat(1e-3);
+        let span =
+            Span { least: start.min + end.min(Vec3::ZERO) - slack, most: start.max + end.max(Vec3::ZERO) + slack };
+        for _ in 0..GRAZES {
+            let hit = self.cast(shape, from, direction, length + SKIN, |collider| {
+                Some(collider) != grazed && self.meets(collider, without) && self.may_touch(collider, span)
+            })?;
+            let Some(hit) = self.sharpen_sweep(shape, from, direction, hit) else {
+                grazed = Some(hit.collider);
+                continue;
+            };
+            // Grazing hits would ask for an endless pull back.
+            let toward = (-hit.normal.dot(*direction)).max(0.005);
+            let safe = (hit.distance - SKIN / toward).clamp(0.0, length);
+            return Some(Hit { safe, ..hit });
+        }
+        None
+    }
+
+    /// The first thing that a ball lowered from `centre` touches within `reach` metres.
+    ///
+    /// Exact for heightfields; for the rest see [`sharpen_lowering`](Self::sharpen_lowering).
+    pub(super) fn lower(&self, ball: &Collider, radius: f32, centre: Vec3, reach: f32) -> Option<Lowered> {
+        // Heightfields met on the way; more than these in one place are left to the common cast.
+        let fields = Cell::new([None; 4]);
+        let hit = self.cast(ball, centre, Dir3::NEG_Y, reach, |collider| {
+            if !self.meets(collider, self.me) {
+                return false;
+            }
+            let mut known = fields.get();
+            let free = known.iter_mut().find(|field| field.is_none());
+            let (Some(free), true) = (free, self.is_heightfield(collider)) else { return true };
+            *free = Some(collider);
+            fields.set(known);
+            false
+        });
+        let resting = fields.get().into_iter().flatten();
+        let rest = resting
+            .filter_map(|field| self.rest_on_field(field, radius, centre, reach))
+            .min_by(|a, b| a.distance.total_cmp(&b.distance));
+        match (rest, hit) {
+            (Some(rest), None) => Some(Lowered { hit: rest, exact: true }),
+            (Some(rest), Some(hit)) if rest.distance < hit.distance - CAST_ERROR => {
+                Some(Lowered { hit: rest, exact: true })
+            }
+            (Some(rest), Some(hit)) => {
+                let hit = self.sharpen_lowering(ball, centre, hit);
+                Some(Lowered { hit: if rest.distance < hit.distance { rest } else { hit }, exact: true })
+            }
+            (None, hit) => hit.map(|hit| Lowered { hit, exact: false }),
+        }
+    }
+
+    fn is_heightfield(&self, collider: Entity) -> bool {
+        let colliders = &self.space.casts.colliders;
+        colliders.get(collider).is_ok_and(|(shape, ..)| shape.shape_scaled().as_heightfield().is_some())
+    }
+
+    fn rest_on_field(&self, collider: Entity, radius: f32, centre: Vec3, reach: f32) -> Option<Hit> {
+        let (shape, position, rotation, _) = self.space.casts.colliders.get(collider).ok()?;
+        let field = shape.shape_scaled().as_heightfield()?;
+        let frame = Frame { position: position.0, rotation: rotation.0 };
+        let span = Span { least: centre - Vec3::splat(radius) - Vec3::Y * reach, most: centre + Vec3::splat(radius) };
+        let mut rest: Option<Rest> = None;
+        triangles_in(field, frame, span, |triangle| {
+            if let Some(found) = rest_on_triangle(centre, radius, triangle)
+                && rest.is_none_or(|rest| found.height > rest.height)
+            {
+                rest = Some(found);
+            }
+        });
+        let rest = rest?;
+        let distance = (centre.y - rest.height).max(0.0);
+        (distance <= reach).then_some(Hit {
+            distance,
+            safe: distance,
+            normal: rest.normal,
+            point: rest.point,
+            collider,
+        })
+    }
+
+    /// Whether the way of a shape goes anywhere near a heightfield's surface; true for all other colliders.
+    fn may_touch(&self, collider: Entity, span: Span) -> bool {
+        let Ok((shape, position, rotation, _)) = self.space.casts.colliders.get(collider) else {
+            return false;
+        };
+        let frame = Frame { position: position.0, rotation: rotation.0 };
+        shape.shape_scaled().as_heightfield().is_none_or(|field| reaches_into(field, frame, span))
+    }
+
+    fn cast(
+        &self,
+        shape: &Collider,
+        from: Vec3,
+        direction: Dir3,
+        reach: f32,
+        meets: impl Fn(Entity) -> bool,
+    ) -> Option<Hit> {
+        // Numbers that overflow find nothing; the tick then puts the body back.
+        if !from.is_finite() || !reach.is_finite() {
+            return None;
+        }
+        let config = ShapeCastConfig { ignore_origin_penetration: true, ..ShapeCastConfig::from_max_distance(reach) };
+        let query = &self.space.casts.spatial_query;
+        let hit = query.cast_shape_predicate(shape, from, Quat::IDENTITY, direction, &config, &self.filter, &meets)?;
+        let (distance, normal, point) = (hit.distance, hit.normal1, hit.point1);
+        let sound = distance.is_finite() && normal.is_finite() && point.is_finite();
+        sound.then_some(Hit { distance, safe: distance, normal, point, collider: hit.entity })
+    }
+
+    /// The hit with its exact distance and normal; `None` where the shape only grazes what was hit.
+    ///
+    /// Casts iterate: beside a box of a hundred metres they stop centimetres early. The contact at that place is exact.
+    fn sharpen_sweep(&self, shape: &Collider, from: Vec3, direction: Dir3, hit: Hit) -> Option<Hit> {
+        let at = from + direction * hit.distance;
+        let contacts = self.contacts(shape, at, hit.collider, CAST_ERROR);
+        let alike = |contact: &&Contact| contact.normal.dot(hit.normal) > 0.8;
+        let mut near = contacts.iter().filter(alike).peekable();
+        if near.peek().is_none() {
+            return Some(hit);
+        }
+        near.filter(|contact| contact.normal.dot(*direction) < -GRAZING)
+            .map(|contact| {
+                let further = contact.gap / -contact.normal.dot(*direction);
+                let distance = (hit.distance + further.clamp(-CAST_ERROR, CAST_ERROR)).max(0.0);
+                Hit { distance, normal: contact.normal, point: contact.point, ..hit }
+            })
+            .min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+
+    /// A lowered ball's hit with its exact distance and normal.
+    pub(super) fn sharpen_lowering(&self, ball: &Collider, centre: Vec3, hit: Hit) -> Hit {
+        let mut sharp = hit;
+        // Twice, since an edge is straight for the first millimetres only.
+        for _ in 0..2 {
+            let at = centre - Vec3::Y * sharp.distance;
+            let contacts = self.contacts(ball, at, hit.collider, CAST_ERROR);
+            let first = contacts
+                .iter()
+                .filter(|contact| contact.normal.y > 0.05)
+                .min_by(|a, b| (a.gap / a.normal.y).total_cmp(&(b.gap / b.normal.y)));
+            let Some(first) = first else { break };
+            let further = (first.gap / first.normal.y).clamp(-CAST_ERROR, CAST_ERROR);
+            let distance = (sharp.distance + further).max(0.0);
+            sharp = Hit { distance, safe: distance, normal: first.normal, point: first.point, ..hit };
+            if further.abs() < 1e-3 {
+                break;
+            }
+        }
+        sharp
+    }
+
+    /// Where a shape is nearest to a collider, for each part of it that is within `reach` metres.
+    fn contacts(&self, shape: &Collider, at: Vec3, collider: Entity, reach: f32) -> Vec<Contact> {
+        let Ok((other, &position, &rotation, _)) = self.space.casts.colliders.get(collider) else {
+            return Vec::new();
+        };
+        let mut manifolds = Vec::new();
+        contact_manifolds(shape, at, Quat::IDENTITY, other, position, rotation, reach, &mut manifolds);
+        let nearest = |manifold: &ContactManifold| {
+            let deepest = manifold.find_deepest_contact()?;
+            let contact = Contact { normal: -manifold.normal, gap: -deepest.penetration, point: deepest.point };
+            (contact.normal.is_finite() && contact.gap.is_finite() && contact.point.is_finite()).then_some(contact)
+        };
+        manifolds.iter().filter_map(nearest).collect()
+    }
+}

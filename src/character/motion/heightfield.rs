@@ -1,0 +1,173 @@
+//! Heightfields without iteration: which of their triangles are near, and where a ball comes to rest on one.
+//!
+//! A cast by the physics engine tries every triangle of the grid cells below a shape, however far below; for a crowd on
+//! terrain that is most of the time. World space, metres.
+
+use avian3d::parry::{bounding_volume::Aabb, math::Vector, shape::HeightField};
+use bevy::math::{Mat3, Vec3};
+
+use super::frame::Frame;
+
+/// Slack in metres around an edge, so that no seam lies between two triangles.
+const SEAM: f32 = 1e-5;
+
+/// A box along the world's axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub(super) least: Vec3,
+    pub(super) most: Vec3,
+}
+
+/// Where a ball rests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rest {
+    /// Height of the ball's centre.
+    pub(super) height: f32,
+    /// Unit normal from what it touches to its centre.
+    pub(super) normal: Vec3,
+    /// Where it touches.
+    pub(super) point: Vec3,
+}
+
+/// Calls `found` with every triangle of the field, in the world, whose cell reaches into the span.
+pub(super) fn triangles_in(field: &HeightField, frame: Frame, span: Span, mut found: impl FnMut([Vec3; 3])) {
+    let into_field = Mat3::from_quat(frame.rotation).transpose();
+    let middle = into_field * ((span.least + span.most) * 0.5 - frame.position);
+    let half = into_field.abs() * ((span.most - span.least) * 0.5);
+    let vector = |v: Vec3| Vector::new(v.x, v.y, v.z);
+    let near = Aabb::new(vector(middle - half), vector(middle + half));
+    let corner = |v: Vector| frame.world(Vec3::new(v.x, v.y, v.z));
+    field.map_elements_in_local_aabb(&near, &mut |_, triangle| {
+        found([corner(triangle.a), corner(triangle.b), corner(triangle.c)]);
+    });
+}
+
+/// Whether any triangle of the field reaches into the span.
+pub(super) fn reaches_into(field: &HeightField, frame: Frame, span: Span) -> bool {
+    let mut reaches = false;
+    triangles_in(field, frame, span, |[a, b, c]| {
+        let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+        reaches |= least.cmple(span.most).all() && most.cmpge(span.least).all();
+    });
+    reaches
+}
+
+/// Where a ball lowered from above at the horizontal place of `over` first touches the triangle.
+#[must_use]
+pub(super) fn rest_on_triangle(over: Vec3, radius: f32, [a, b, c]: [Vec3; 3]) -> Option<Rest> {
+    let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+    if over.x < least.x - radius || over.x > most.x + radius || over.z < least.z - radius || over.z > most.z + radius {
+        return None;
+    }
+    if let Some(rest) = rest_on_face(over, radius, [a, b, c]) {
+        return Some(rest);
+    }
+    let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| rest_on_edge(over, radius, from, to));
+    edges.into_iter().flatten().max_by(|a, b| a.height.total_cmp(&b.height))
+}
+
+fn rest_on_face(over: Vec3, radius: f32, [a, b, c]: [Vec3; 3]) -> Option<Rest> {
+    let cross = (b - a).cross(c - a);
+    let normal = if cross.y < 0.0 { -cross } else { cross }.normalize_or_zero();
+    if normal.y < 1e-3 {
+        return None;
+    }
+    let plane = a.y - ((over.x - a.x) * normal.x + (over.z - a.z) * normal.z) / normal.y;
+    let height = plane + radius / normal.y;
+    let point = over.with_y(height) - normal * radius;
+    // On the inner side of every edge, seen from above; whichever way the corners go round.
+    let side = |from: Vec3, to: Vec3| (to.x - from.x) * (point.z - from.z) - (to.z - from.z) * (point.x - from.x);
+    let sides = [side(a, b), side(b, c), side(c, a)];
+    let inside = sides.iter().all(|s| *s >= -SEAM) || sides.iter().all(|s| *s <= SEAM);
+    inside.then_some(Rest { height, normal, point })
+}
+
+/// Where the ball rests on an edge or on its ends.
+fn rest_on_edge(over: Vec3, radius: f32, from: Vec3, to: Vec3) -> Option<Rest> {
+    let (along, way) = (to - from, Vec3::new(over.x - from.x, 0.0, over.z - from.z));
+    let length_squared = along.length_squared();
+    if length_squared > 1e-12 {
+        // |w|² - (w·u)²/|u|² = r², solved for the height in w.
+        let flat = way.dot(along);
+        let a = 1.0 - along.y * along.y / length_squared;
+        let b = -2.0 * along.y * flat / length_squared;
+        let c = way.length_squared() - flat * flat / length_squared - radius * radius;
+        let root = b * b - 4.0 * a * c;
+        if a > 1e-6 && root >= 0.0 {
+            let above = (root.sqrt() - b) / (2.0 * a);
+            let share = (flat + above * along.y) / length_squared;
+            if (0.0..=1.0).contains(&share) {
+                return rest_at(over, from.y + above, from + along * share);
+            }
+        }
+    }
+    let on_end = |end: Vec3| {
+        let aside = Vec3::new(over.x - end.x, 0.0, over.z - end.z).length_squared();
+        let above = radius * radius - aside;
+        if above < 0.0 { None } else { rest_at(over, end.y + above.sqrt(), end) }
+    };
+    [on_end(from), on_end(to)].into_iter().flatten().max_by(|a, b| a.height.total_cmp(&b.height))
+}
+
+fn rest_at(over: Vec3, height: f32, point: Vec3) -> Option<Rest> {
+    let normal = (over.with_y(height) - point).normalize_or_zero();
+    (normal != Vec3::ZERO).then_some(Rest { height, normal, point })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::math::primitives::Triangle3d;
+    use proptest::prelude::*;
+
+    fn corner() -> impl Strategy<Value = Vec3> {
+        (-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0).prop_map(|(x, y, z)| Vec3::new(x, y, z))
+    }
+
+    /// Distance from a point to the triangle, by trying many points of it.
+    fn distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
+        let mut nearest = f32::MAX;
+        for i in 0..=40u8 {
+            for j in 0..=(40 - i) {
+                let (u, v) = (f32::from(i) / 40.0, f32::from(j) / 40.0);
+                nearest = nearest.min(point.distance(a + (b - a) * u + (c - a) * v));
+            }
+        }
+        nearest
+    }
+
+    proptest! {
+        #[test]
+        fn a_resting_ball_touches_and_a_higher_one_does_not(a in corner(), b in corner(), c in corner(), x in -1.2f32..1.2, z in -1.2f32..1.2, radius in 0.1f32..0.5) {
+            prop_assume!(Triangle3d::new(a, b, c).vertices.len() == 3 && (b - a).cross(c - a).length() > 0.05);
+            let over = Vec3::new(x, 0.0, z);
+            match rest_on_triangle(over, radius, [a, b, c]) {
+                Some(rest) => {
+                    let gap = distance(over.with_y(rest.height), [a, b, c]) - radius;
+                    // The tried points lie up to some centimetres beside the nearest one.
+                    prop_assert!((-2e-3..0.03).contains(&gap), "rests {gap} m off the triangle");
+                    let touch = over.with_y(rest.height).distance(rest.point) - radius;
+                    prop_assert!(touch.abs() < 1e-3, "touches {touch} m off");
+                    for higher in [0.05f32, 0.2, 0.8] {
+                        let gap = distance(over.with_y(rest.height + higher), [a, b, c]) - radius;
+                        prop_assert!(gap > -2e-3, "a ball {higher} m higher is {gap} m in it");
+                    }
+                }
+                None => {
+                    for step in 0..40u8 {
+                        let height = f32::from(step) * 0.08 - 1.6;
+                        let gap = distance(over.with_y(height), [a, b, c]) - radius;
+                        prop_assert!(gap > -2e-3, "missed a triangle {gap} m from the ball at {height}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_ball_rests_on_a_slope_as_on_its_plane() {
+        let [a, b, c] = [Vec3::new(-5.0, -5.0, -5.0), Vec3::new(5.0, 5.0, -5.0), Vec3::new(0.0, 0.0, 9.0)];
+        let rest = rest_on_triangle(Vec3::ZERO, 0.5, [a, b, c]).map_or(f32::NAN, |rest| rest.height);
+        assert!((rest - 0.5 * 2f32.sqrt()).abs() < 1e-4, "rests at {rest}");
+    }
+}
