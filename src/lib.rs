@@ -20,3 +20,7 @@ pub mod game;
 pub mod skinning;
 #[cfg(feature = "game")]
 pub mod terrain;
+
+mod plugins;
+
+pub use plugins::SurefootPlugins;

@@ -6,6 +6,7 @@ pub mod clip;
 pub mod curve;
 pub mod gait;
 pub mod ik;
+pub mod inertialize;
 pub mod leg;
 pub mod pose;
 pub mod retarget;

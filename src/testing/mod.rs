@@ -1,1 +1,12 @@
-//! Layer 4: the public headless harness: stage, worlds, input tapes.
+//! Layer 4: the public headless harness: hold your own characters and levels to the same measures.
+//!
+//! [`Stage`] is an app without window or GPU, stepped frame by frame; [`World`] is ground to walk on; [`Tape`] is what a
+//! player would press.
+
+mod stage;
+mod tape;
+mod world;
+
+pub use stage::{Stage, StageError};
+pub use tape::{Cue, Tape};
+pub use world::{Piece, Shape, World};

@@ -4,8 +4,10 @@
 mod camera;
 mod character_file;
 mod clips;
+mod feet;
 mod gltf_file;
 mod layers;
+mod locomotion;
 mod mannequin;
 mod motion;
 mod rig;

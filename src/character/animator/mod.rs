@@ -1,0 +1,95 @@
+//! Clip weights and phases → local pose and model pose.
+//!
+//! Reads [`Locomotion`](super::locomotion::Locomotion) and the character's clips; writes [`CharacterPose`].
+
+use bevy::prelude::*;
+
+use super::{Character, bind::CharacterAssets, locomotion::Locomotion, schedule::PoseSystems};
+use crate::{
+    anim::{
+        blend::Accumulator,
+        inertialize::Inertializer,
+        pose::Pose,
+        skeleton::{JointTransform, Skeleton},
+    },
+    rig::CharacterAsset,
+};
+
+/// A character's pose: written by the animator, changed by foot IK, read by skinning.
+#[derive(Component, Clone, Debug, Default)]
+pub struct CharacterPose {
+    /// Local transforms and model matrices of every joint.
+    pub pose: Pose,
+    scratch: Vec<JointTransform>,
+    inertializer: Inertializer,
+    inertialize: Option<f32>,
+}
+
+impl CharacterPose {
+    /// The rest pose of `skeleton`, with buffers for everything to come.
+    #[must_use]
+    pub fn new(skeleton: &Skeleton) -> Self {
+        Self {
+            pose: Pose::rest(skeleton),
+            scratch: skeleton.rest().to_vec(),
+            inertializer: Inertializer::new(skeleton.len()),
+            inertialize: None,
+        }
+    }
+
+    /// The next pose keeps going from the present one; half of the difference is gone after a fifth of `seconds`.
+    pub fn inertialize_within(&mut self, seconds: f32) {
+        self.inertialize = Some(seconds * 0.2);
+    }
+
+    fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, dt: f32) {
+        let machine = &locomotion.machine;
+        let mut blend = Accumulator::new(self.pose.locals_mut());
+        for state in 0..machine.len() {
+            let weight = machine.weight(state);
+            if weight <= 0.0 {
+                continue;
+            }
+            let Some(clip) = locomotion.clip(asset, state) else { continue };
+            let phase = machine.clip_phase(state);
+            let time = if machine.is_gait(state) {
+                clip.gait.time_at(phase, clip.clip.duration)
+            } else {
+                phase * clip.clip.duration
+            };
+            clip.clip.sample(&asset.skeleton, time, &mut self.scratch);
+            blend.add(&self.scratch, weight);
+        }
+        if !blend.finish() {
+            return;
+        }
+        if let Some(half_life) = self.inertialize.take() {
+            self.inertializer.begin(self.pose.locals(), half_life);
+        }
+        self.inertializer.apply(self.pose.locals_mut(), dt);
+        self.inertializer.record(self.pose.locals(), dt);
+        self.pose.update_model(&asset.skeleton);
+    }
+}
+
+/// Samples and blends clips.
+pub struct AnimatorPlugin;
+
+impl Plugin for AnimatorPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(PostUpdate, animate.in_set(PoseSystems::Sample));
+    }
+}
+
+fn animate(
+    time: Res<Time>,
+    assets: CharacterAssets,
+    mut characters: Query<(&Character, &Locomotion, &mut CharacterPose)>,
+) {
+    let dt = time.delta_secs();
+    characters.par_iter_mut().for_each(|(character, locomotion, mut pose)| {
+        if let Some(asset) = assets.get(character) {
+            pose.animate(asset, locomotion, dt);
+        }
+    });
+}

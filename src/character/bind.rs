@@ -1,0 +1,66 @@
+//! Gives a spawned [`Character`] its pose, state machine and tuning once its file is loaded, and again when it changes.
+
+use avian3d::prelude::SpatialQueryFilter;
+use bevy::{ecs::system::SystemParam, prelude::*};
+
+use super::{
+    Character,
+    animator::CharacterPose,
+    foot_ik::{FootIk, GroundFilter},
+    locomotion::Locomotion,
+};
+use crate::rig::CharacterAsset;
+
+/// Looks up the loaded file of a character.
+#[derive(SystemParam)]
+pub struct CharacterAssets<'w> {
+    assets: Res<'w, Assets<CharacterAsset>>,
+}
+
+impl CharacterAssets<'_> {
+    /// The character's file; `None` while it loads or when it could not be loaded.
+    #[must_use]
+    pub fn get(&self, character: &Character) -> Option<&CharacterAsset> {
+        self.assets.get(&character.0)
+    }
+}
+
+/// Binds characters to their files.
+pub struct BindPlugin;
+
+impl Plugin for BindPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(PreUpdate, bind);
+    }
+}
+
+fn bind(
+    mut commands: Commands,
+    mut events: MessageReader<AssetEvent<CharacterAsset>>,
+    assets: CharacterAssets,
+    fresh: Query<(Entity, &Character), Without<CharacterPose>>,
+    bound: Query<(Entity, &Character), With<CharacterPose>>,
+) {
+    let mut give = |entity: Entity, asset: &CharacterAsset| {
+        let mut pose = CharacterPose::new(&asset.skeleton);
+        let locomotion = Locomotion::new(asset, &mut pose.pose);
+        let ground = GroundFilter(SpatialQueryFilter::from_excluded_entities([entity]));
+        commands
+            .entity(entity)
+            .insert((pose, locomotion, FootIk::new(asset), asset.file.motion.clone()))
+            .insert_if_new(ground);
+    };
+    for event in events.read() {
+        let AssetEvent::Modified { id } = event else { continue };
+        for (entity, character) in bound.iter().filter(|(_, character)| character.0.id() == *id) {
+            if let Some(asset) = assets.get(character) {
+                give(entity, asset);
+            }
+        }
+    }
+    for (entity, character) in &fresh {
+        if let Some(asset) = assets.get(character) {
+            give(entity, asset);
+        }
+    }
+}

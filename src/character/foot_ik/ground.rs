@@ -1,0 +1,174 @@
+//! Finds the ground: downward rays, and footprints that have room for a whole sole.
+//!
+//! World space, metres. Reads colliders through [`Probe`]; writes nothing.
+
+use bevy::prelude::*;
+
+/// Where a probe met the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GroundHit {
+    /// World position.
+    pub point: Vec3,
+    /// World normal, up-facing.
+    pub normal: Vec3,
+    /// The collider's entity.
+    pub entity: Entity,
+}
+
+/// Casts straight down.
+pub trait Probe {
+    /// The first ground below `start` within `length` metres.
+    fn down(&self, start: Vec3, length: f32) -> Option<GroundHit>;
+}
+
+/// Heights between which ground is looked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    /// World height at which rays start.
+    pub top: f32,
+    /// Length of a ray, metres.
+    pub length: f32,
+}
+
+impl Reach {
+    /// The ground at a horizontal place; the height of `place` doesn't matter.
+    pub fn at(self, probe: &impl Probe, place: Vec3) -> Option<GroundHit> {
+        probe.down(Vec3::new(place.x, self.top, place.z), self.length)
+    }
+}
+
+/// A plane under a foot: world height at a place, and its normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// A point of it.
+    pub point: Vec3,
+    /// Unit normal with `y > 0`.
+    pub normal: Vec3,
+}
+
+impl Plane {
+    /// World height of the plane over a horizontal place.
+    #[must_use]
+    pub fn height(&self, place: Vec3) -> f32 {
+        let away = place - self.point;
+        self.point.y - (self.normal.x * away.x + self.normal.z * away.z) / self.normal.y.max(0.2)
+    }
+}
+
+/// A sole's shape when it stands flat: offsets from the ball along the foot's direction, metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SoleShape {
+    /// From ball back to heel, positive.
+    pub heel: f32,
+    /// From ball forward to the toes' tip, positive.
+    pub tip: f32,
+}
+
+/// How well a sole would stand somewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct Footprint {
+    /// Ground under the ball.
+    pub ball: GroundHit,
+    /// Metres by which heel or tip would stick in the ground, were the sole laid on the ball's plane.
+    pub stuck: f32,
+    /// Metres between the heel and the ground below it.
+    pub heel_gap: f32,
+}
+
+/// Metres that a sole may sink at heel or tip without counting as stuck; rough ground is never a plane.
+const TOLERATED: f32 = 0.012;
+/// Metres between the places that a landing tries.
+const SHIFT_STEP: f32 = 0.03;
+
+/// How the sole would stand with its ball over `ball`, pointing along `forward` (horizontal unit vector).
+pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, sole: SoleShape) -> Option<Footprint> {
+    let under_ball = reach.at(probe, ball)?;
+    let plane = Plane { point: under_ball.point, normal: under_ball.normal };
+    let above = |place: Vec3| {
+        let hit = reach.at(probe, place);
+        (hit.map_or(f32::NEG_INFINITY, |hit| hit.point.y) - plane.height(place), plane.height(place))
+    };
+    let (heel, _) = above(ball - forward * sole.heel);
+    let (tip, _) = above(ball + forward * sole.tip);
+    // Half-way points find an edge that both ends straddle.
+    let (waist, _) = above(ball - forward * (sole.heel * 0.5));
+    Some(Footprint { ball: under_ball, stuck: heel.max(tip).max(waist).max(0.0), heel_gap: (-heel).max(0.0) })
+}
+
+/// A place near `ball` where the whole sole has room: the shift along `forward` in metres, and the footprint there.
+///
+/// `preferred` is tried first, so that a decision stays from frame to frame. Where nothing near has room, the least stuck
+/// place wins. `None` where there is no ground at all.
+pub fn find_room(
+    probe: &impl Probe,
+    reach: Reach,
+    ball: Vec3,
+    forward: Vec3,
+    sole: SoleShape,
+    preferred: f32,
+    most: f32,
+) -> Option<(f32, Footprint)> {
+    let mut best: Option<(f32, Footprint)> = None;
+    let steps = (most / SHIFT_STEP).ceil().max(0.0) as i32;
+    let tries = core::iter::once(preferred)
+        .chain((0..=steps).flat_map(|i| [i as f32 * SHIFT_STEP, -(i as f32) * SHIFT_STEP]))
+        .filter(|shift| shift.abs() <= most);
+    for shift in tries {
+        let Some(print) = footprint(probe, reach, ball + forward * shift, forward, sole) else { continue };
+        if print.stuck <= TOLERATED {
+            return Some((shift, print));
+        }
+        if best.is_none_or(|(_, least)| print.stuck < least.stuck) {
+            best = Some((shift, print));
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stairs along -Z: treads 0.29 deep, risers 0.17, the first edge at z = 0.
+    struct Stairs;
+
+    impl Probe for Stairs {
+        fn down(&self, start: Vec3, length: f32) -> Option<GroundHit> {
+            let y = (-start.z / 0.29).floor().max(-1.0) * 0.17 + 0.17;
+            (start.y - y <= length).then_some(GroundHit {
+                point: Vec3::new(start.x, y, start.z),
+                normal: Vec3::Y,
+                entity: Entity::PLACEHOLDER,
+            })
+        }
+    }
+
+    const SOLE: SoleShape = SoleShape { heel: 0.19, tip: 0.075 };
+    const REACH: Reach = Reach { top: 3.0, length: 5.0 };
+
+    #[test]
+    fn toes_never_land_inside_the_next_riser() {
+        for i in 0..29 {
+            let ball = Vec3::new(0.0, 0.0, -0.6 - 0.01 * i as f32);
+            let (shift, print) =
+                find_room(&Stairs, REACH, ball, Vec3::NEG_Z, SOLE, 0.0, 0.2).expect("stairs everywhere");
+            assert!(print.stuck <= 0.012, "{:.3} m stuck after a shift of {shift:.2} m", print.stuck);
+        }
+    }
+
+    #[test]
+    fn going_down_the_heel_finds_room_too() {
+        for i in 0..29 {
+            let ball = Vec3::new(0.0, 0.0, -1.5 + 0.01 * i as f32);
+            let (shift, print) = find_room(&Stairs, REACH, ball, Vec3::Z, SOLE, 0.0, 0.2).expect("stairs everywhere");
+            assert!(print.stuck <= 0.012, "{:.3} m stuck after a shift of {shift:.2} m", print.stuck);
+        }
+    }
+
+    #[test]
+    fn a_plane_gives_heights_along_its_slope() {
+        let plane = Plane { point: Vec3::ZERO, normal: Vec3::new(0.0, 1.0, 1.0).normalize() };
+        let y = plane.height(Vec3::new(3.0, 0.0, -2.0));
+        assert!((y - 2.0).abs() < 1e-5, "{y}");
+    }
+}

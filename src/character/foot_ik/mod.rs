@@ -1,0 +1,289 @@
+//! Keeps feet where they landed.
+//!
+//! Reads the animated pose, the playing clips' cues, the root and the ground; turns hips, knees and ankles of the pose and
+//! lowers the pelvis. Feet are placed in world space, legs solved in model space: metres, +Y up, the character faces -Z.
+
+mod foot;
+mod ground;
+mod legs;
+mod pelvis;
+mod probe;
+
+use avian3d::prelude::*;
+use bevy::prelude::*;
+
+pub use foot::{AnimatedFoot, FootState, GroundFrames, Mode, Pivot, PlacedFoot, Plant, Release, Surroundings};
+pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
+pub use legs::{LegJoints, LegResult, place_leg, shift_joint};
+pub use pelvis::{LegReach, PelvisState, drop_for};
+pub use probe::{Frames, GroundFilter, PhysicsProbe};
+
+use super::{
+    Character, animator::CharacterPose, bind::CharacterAssets, locomotion::Locomotion, motion::MotionState,
+    schedule::PoseSystems, sole::sole_model,
+};
+use crate::{
+    anim::{ik::two_bone::Extension, leg::Leg, pose::Pose},
+    math::{rotation::from_scaled_axis, spring::damp},
+    rig::{CharacterAsset, tuning::foot_ik::FootIkConfig},
+};
+
+/// Leg length in metres that the lengths of [`FootIkConfig`] are meant for.
+const TUNED_LEG: f32 = 0.875;
+
+/// Foot placement of one character: what it carries from frame to frame, and what it did.
+#[derive(Component, Clone, Debug, Default)]
+pub struct FootIk {
+    /// Left and right foot.
+    pub feet: [FootState; 2],
+    /// Where the feet were put in this frame, world; `None` while the effect is off.
+    pub placed: [Option<PlacedFoot>; 2],
+    /// What became of the legs in this frame.
+    pub legs: [LegResult; 2],
+    /// The pelvis' offset.
+    pub pelvis: PelvisState,
+    /// How much of the effect is on, 0..1.
+    pub weight: f32,
+    soles: [SoleShape; 2],
+    teleports: u32,
+}
+
+impl FootIk {
+    /// For the feet of `asset`.
+    #[must_use]
+    pub fn new(asset: &CharacterAsset) -> Self {
+        let rest = Pose::rest(&asset.skeleton);
+        let soles = [0, 1].map(|side| {
+            let [heel, ball, tip] = sole_model(&rest, &asset.legs[side]);
+            SoleShape { heel: (ball - heel).with_y(0.0).length(), tip: (tip - ball).with_y(0.0).length() }
+        });
+        Self { soles, ..Self::default() }
+    }
+
+    /// Forgets the ground: feet start from the clip. For teleports.
+    pub fn reset(&mut self) {
+        for foot in &mut self.feet {
+            foot.reset();
+        }
+        self.pelvis.reset();
+    }
+}
+
+/// Places feet.
+pub struct FootIkPlugin;
+
+impl Plugin for FootIkPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(PostUpdate, plant.in_set(PoseSystems::Plant));
+    }
+}
+
+fn plant(
+    time: Res<Time>,
+    assets: CharacterAssets,
+    spatial: SpatialQuery,
+    sensors: Query<(), With<Sensor>>,
+    frames: Frames,
+    mut characters: Query<(
+        &Character,
+        &Transform,
+        &MotionState,
+        &Locomotion,
+        &GroundFilter,
+        &mut CharacterPose,
+        &mut FootIk,
+    )>,
+) {
+    let dt = time.delta_secs();
+    if dt <= 0.0 {
+        return;
+    }
+    characters.par_iter_mut().for_each(|(character, root, motion, locomotion, filter, mut pose, mut ik)| {
+        let Some(asset) = assets.get(character) else { return };
+        let probe = PhysicsProbe::new(&spatial, &sensors, filter);
+        let body = Body { root, motion, locomotion, asset, dt };
+        ik.place(&body, &mut pose, &probe, &frames);
+    });
+}
+
+/// What stays the same while one character's feet are placed.
+struct Body<'a> {
+    root: &'a Transform,
+    motion: &'a MotionState,
+    locomotion: &'a Locomotion,
+    asset: &'a CharacterAsset,
+    dt: f32,
+}
+
+impl FootIk {
+    fn place(&mut self, body: &Body<'_>, pose: &mut CharacterPose, probe: &impl Probe, frames: &impl GroundFrames) {
+        let config = &body.asset.file.foot_ik;
+        let grounded = body.motion.ground.is_some() || body.motion.air_time < 0.1;
+        let goal = if config.enabled && grounded { 1.0 } else { 0.0 };
+        self.weight = damp(self.weight, goal, config.air_half_life, body.dt);
+        if body.motion.teleports != self.teleports || self.weight < 0.01 {
+            self.teleports = body.motion.teleports;
+            self.reset();
+        }
+        if self.weight < 0.01 {
+            self.placed = [None; 2];
+            self.legs = [LegResult::default(); 2];
+            return;
+        }
+        let config = &scaled(config, body.asset.leg_length / TUNED_LEG);
+        let animated = [0, 1].map(|side| body.animated_foot(pose, side));
+        let placed = [0, 1].map(|side| {
+            let around = Surroundings {
+                probe,
+                frames,
+                reach: body.reach(config),
+                sole: self.soles[side],
+                config,
+                dt: body.dt,
+                may_restep: body.stands() && self.feet[1 - side].plant().is_some(),
+            };
+            self.feet[side].advance(&animated[side], &around)
+        });
+        self.placed = placed.map(Some);
+        let ankles = [0, 1].map(|side| animated[side].clip_ankle.lerp(placed[side].ankle, self.weight));
+        self.sink_pelvis(body, pose, &animated, ankles, config);
+        for side in 0..2 {
+            self.legs[side] = body.solve_leg(pose, side, ankles[side], placed[side].turn, self.weight, config);
+        }
+    }
+
+    fn sink_pelvis(
+        &mut self,
+        body: &Body<'_>,
+        pose: &mut CharacterPose,
+        animated: &[AnimatedFoot; 2],
+        ankles: [Vec3; 2],
+        config: &FootIkConfig,
+    ) {
+        let world_from_model = body.root.to_isometry();
+        let legs = [0, 1].map(|side| {
+            let leg = &body.asset.legs[side];
+            let hip = Vec3::from(world_from_model * pose.pose.position(leg.upper));
+            let length = leg.length();
+            LegReach {
+                hip,
+                ankle: ankles[side],
+                length,
+                animated: hip.distance(animated[side].clip_ankle),
+                weight: animated[side].contact,
+            }
+        });
+        let offset = self.pelvis.advance(&legs, body.motion.stepped, self.weight, config, body.dt);
+        if offset.abs() > 1e-6 {
+            shift_joint(&mut pose.pose, &body.asset.skeleton, body.asset.hips, Vec3::Y * offset);
+        }
+    }
+}
+
+impl Body<'_> {
+    /// Standing still: feet may correct their places.
+    fn stands(&self) -> bool {
+        let speed = Vec2::new(self.motion.ground_velocity.x, self.motion.ground_velocity.z).length();
+        speed < 0.15 && self.locomotion.cues.iter().all(|cue| cue.contact > 0.9)
+    }
+
+    fn reach(&self, config: &FootIkConfig) -> Reach {
+        let floor = self.root.translation.y;
+        Reach { top: floor + config.probe_up, length: config.probe_up + config.probe_down }
+    }
+
+    /// The foot as the clip has it, in world space, its stride warped to the ground speed.
+    fn animated_foot(&self, pose: &CharacterPose, side: usize) -> AnimatedFoot {
+        let leg = &self.asset.legs[side];
+        let cue = self.locomotion.cues[side];
+        let world_from_model = self.root.to_isometry();
+        let warp = self.warp(pose, leg);
+        let to_world = |model: Vec3| Vec3::from(world_from_model * (model + warp(model)));
+        let ankle_model = pose.pose.position(leg.foot);
+        let shift = warp(ankle_model);
+        let sole = sole_model(&pose.pose, leg).map(|point| Vec3::from(world_from_model * (point + shift)));
+        let [heel, ball, tip] = sole;
+        let forward = (ball - heel).with_y(0.0).normalize_or(*self.root.forward());
+        let (landing, landing_forward) = match cue.landing_model {
+            Some(model) if cue.contact < 0.5 => self.predict(model, forward, cue.time_to_contact, &warp),
+            _ => (ball, forward),
+        };
+        AnimatedFoot {
+            ankle: to_world(ankle_model),
+            clip_ankle: Vec3::from(world_from_model * ankle_model),
+            heel,
+            ball,
+            tip,
+            floor: self.root.translation.y,
+            forward,
+            contact: cue.contact,
+            time_to_contact: cue.time_to_contact,
+            landing,
+            landing_forward,
+        }
+    }
+
+    /// Where the ball lands if the body keeps its velocity and turn for `seconds`.
+    fn predict(&self, ball_model: Vec3, forward: Vec3, seconds: f32, warp: &impl Fn(Vec3) -> Vec3) -> (Vec3, Vec3) {
+        let seconds = seconds.clamp(0.0, 0.6);
+        let turn = from_scaled_axis(Vec3::Y * (self.motion.yaw_rate * seconds).clamp(-1.2, 1.2));
+        let root = self.root.translation + self.motion.velocity.with_y(0.0) * seconds;
+        (root + turn * self.root.rotation * (ball_model + warp(ball_model)), turn * forward)
+    }
+
+    /// Horizontal shift, in model space, that scales the stride about the hip along the way the body goes.
+    fn warp(&self, pose: &CharacterPose, leg: &Leg) -> impl Fn(Vec3) -> Vec3 + use<> {
+        let hip = pose.pose.position(leg.upper);
+        let way = (self.root.rotation.inverse() * self.motion.ground_velocity).with_y(0.0).normalize_or(Vec3::NEG_Z);
+        let excess = self.locomotion.machine.stride_scale() - 1.0;
+        move |point: Vec3| way * ((point - hip).dot(way) * excess)
+    }
+
+    fn solve_leg(
+        &self,
+        pose: &mut CharacterPose,
+        side: usize,
+        ankle_world: Vec3,
+        turn_world: Quat,
+        weight: f32,
+        config: &FootIkConfig,
+    ) -> LegResult {
+        let leg = &self.asset.legs[side];
+        let model_from_world = self.root.to_isometry().inverse();
+        let turn = Quat::IDENTITY.slerp(turn_world, weight);
+        let turn_model = model_from_world.rotation * turn * model_from_world.rotation.inverse();
+        let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
+        let rotation = turn_model * pose.pose.rotation(leg.foot);
+        let animated = pose.pose.position(leg.upper).distance(pose.pose.position(leg.foot));
+        let length = leg.length();
+        // A clip's own stretch is not resisted: level ground shows the clip as it is.
+        let soft = config.extension.0.max((animated / length).min(config.extension.1 - 0.005));
+        place_leg(
+            &mut pose.pose,
+            &self.asset.skeleton,
+            joints,
+            Vec3::from(model_from_world * ankle_world),
+            rotation,
+            Vec3::NEG_Z,
+            Extension { soft, hard: config.extension.1 },
+        )
+    }
+}
+
+/// The same tuning for a leg `factor` times as long.
+fn scaled(config: &FootIkConfig, factor: f32) -> FootIkConfig {
+    let mut config = config.clone();
+    for length in [
+        &mut config.probe_up,
+        &mut config.probe_down,
+        &mut config.unplant_radius,
+        &mut config.restep_distance,
+        &mut config.step_height,
+        &mut config.clearance,
+        &mut config.landing_shift,
+        &mut config.pelvis_drop,
+    ] {
+        *length *= factor;
+    }
+    config
+}

@@ -1,0 +1,64 @@
+//! Ground probes and ground frames from the physics world.
+
+use avian3d::prelude::*;
+use bevy::{ecs::system::SystemParam, prelude::*};
+
+use super::{
+    foot::GroundFrames,
+    ground::{GroundHit, Probe},
+};
+
+/// What counts as ground for a character's feet: everything but itself, unless told otherwise.
+#[derive(Component, Clone, Debug, Default)]
+pub struct GroundFilter(pub SpatialQueryFilter);
+
+/// Rays into avian's colliders; sensors and what the filter leaves out are passed through.
+pub struct PhysicsProbe<'a, 'w, 's> {
+    spatial: &'a SpatialQuery<'w, 's>,
+    sensors: &'a Query<'w, 's, (), With<Sensor>>,
+    filter: &'a SpatialQueryFilter,
+}
+
+impl<'a, 'w, 's> PhysicsProbe<'a, 'w, 's> {
+    /// Probes what `filter` lets through.
+    #[must_use]
+    pub fn new(
+        spatial: &'a SpatialQuery<'w, 's>,
+        sensors: &'a Query<'w, 's, (), With<Sensor>>,
+        filter: &'a GroundFilter,
+    ) -> Self {
+        Self { spatial, sensors, filter: &filter.0 }
+    }
+}
+
+impl Probe for PhysicsProbe<'_, '_, '_> {
+    fn down(&self, start: Vec3, length: f32) -> Option<GroundHit> {
+        if !start.is_finite() || !(length > 0.0) {
+            return None;
+        }
+        let solid = |entity: Entity| !self.sensors.contains(entity);
+        let hit = self.spatial.cast_ray_predicate(start, Dir3::NEG_Y, length, false, self.filter, &solid)?;
+        let normal = if hit.normal.y < 0.0 { -hit.normal } else { hit.normal };
+        Some(GroundHit { point: start - Vec3::Y * hit.distance, normal, entity: hit.entity })
+    }
+}
+
+/// Where ground entities are now. Root entities are read fresh; children by their last propagated place.
+#[derive(SystemParam)]
+pub struct Frames<'w, 's> {
+    roots: Query<'w, 's, &'static Transform, (Without<ChildOf>, Without<super::FootIk>)>,
+    children: Query<'w, 's, &'static GlobalTransform, With<ChildOf>>,
+    colliders: Query<'w, 's, (), With<Collider>>,
+}
+
+impl GroundFrames for Frames<'_, '_> {
+    fn frame(&self, entity: Entity) -> Option<Isometry3d> {
+        if !self.colliders.contains(entity) {
+            return None;
+        }
+        if let Ok(transform) = self.roots.get(entity) {
+            return Some(transform.to_isometry());
+        }
+        self.children.get(entity).ok().map(GlobalTransform::to_isometry)
+    }
+}

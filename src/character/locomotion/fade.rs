@@ -1,0 +1,114 @@
+//! Cross-fades between any number of states: weights that sum to one, move without jumps in value or slope, and may be
+//! sent elsewhere at any time.
+
+/// One weight on its way.
+#[derive(Clone, Copy, Debug, Default)]
+struct Way {
+    start: f32,
+    slope: f32,
+    target: f32,
+}
+
+/// Weights of all states of a machine.
+///
+/// Each follows a cubic Hermite curve from its present value and slope to its target, in exactly the fade's time; an
+/// interrupted fade starts the next one with the value and slope that it had.
+#[derive(Clone, Debug)]
+pub struct Fades {
+    ways: Vec<Way>,
+    elapsed: f32,
+    seconds: f32,
+}
+
+impl Fades {
+    /// `count` states, all weight on `first`.
+    #[must_use]
+    pub fn new(count: usize, first: usize) -> Self {
+        let at = |i| if i == first { 1.0 } else { 0.0 };
+        let ways = (0..count).map(|i| Way { start: at(i), slope: 0.0, target: at(i) }).collect();
+        Self { ways, elapsed: 0.0, seconds: 0.0 }
+    }
+
+    /// Sends all weight to `state` within `seconds`; at once for 0.
+    pub fn send_to(&mut self, state: usize, seconds: f32) {
+        for index in 0..self.ways.len() {
+            let (value, slope) = self.now(index);
+            let target = if index == state { 1.0 } else { 0.0 };
+            self.ways[index] = Way { start: value, slope, target };
+        }
+        self.elapsed = 0.0;
+        self.seconds = seconds.max(0.0);
+    }
+
+    /// Lets `dt` seconds pass.
+    pub fn advance(&mut self, dt: f32) {
+        self.elapsed = (self.elapsed + dt.max(0.0)).min(self.seconds + 1.0);
+    }
+
+    /// Weight of `state`, 0..=1; all sum to one.
+    #[must_use]
+    pub fn weight(&self, state: usize) -> f32 {
+        let total: f32 = (0..self.ways.len()).map(|i| self.now(i).0).sum();
+        if total > 0.0 { self.now(state).0 / total } else { 0.0 }
+    }
+
+    /// Whether a fade is under way.
+    #[must_use]
+    pub fn is_fading(&self) -> bool {
+        self.elapsed < self.seconds
+    }
+
+    /// Value clamped to 0..=1, and slope per second.
+    fn now(&self, state: usize) -> (f32, f32) {
+        let way = self.ways[state];
+        if self.elapsed >= self.seconds {
+            return (way.target, 0.0);
+        }
+        let (t, u) = (self.seconds, self.elapsed / self.seconds);
+        let (u2, u3) = (u * u, u * u * u);
+        let value = (2.0 * u3 - 3.0 * u2 + 1.0) * way.start
+            + (u3 - 2.0 * u2 + u) * t * way.slope
+            + (3.0 * u2 - 2.0 * u3) * way.target;
+        let slope = (6.0 * u2 - 6.0 * u) / t * (way.start - way.target) + (3.0 * u2 - 4.0 * u + 1.0) * way.slope;
+        if (0.0..=1.0).contains(&value) { (value, slope) } else { (value.clamp(0.0, 1.0), 0.0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_fade_takes_exactly_its_time() {
+        let mut fades = Fades::new(3, 0);
+        fades.send_to(2, 0.2);
+        fades.advance(0.199);
+        assert!(fades.weight(2) < 1.0 && fades.weight(2) > 0.99, "{} just before the end", fades.weight(2));
+        fades.advance(0.002);
+        assert!(fades.weight(2) >= 1.0 && !fades.is_fading());
+    }
+
+    proptest! {
+        #[test]
+        fn weights_sum_to_one_and_never_jump(sends in prop::collection::vec((0usize..4, 0.1f32..0.3, 0.0f32..0.25), 1..12)) {
+            let mut fades = Fades::new(4, 0);
+            let step = 1.0 / 240.0;
+            let mut last: Vec<f32> = (0..4).map(|i| fades.weight(i)).collect();
+            for (state, seconds, wait) in sends {
+                fades.send_to(state, seconds);
+                for _ in 0..=(wait / step) as usize {
+                    fades.advance(step);
+                    let now: Vec<f32> = (0..4).map(|i| fades.weight(i)).collect();
+                    let sum: f32 = now.iter().sum();
+                    prop_assert!((sum - 1.0).abs() < 1e-4, "weights sum to {sum}");
+                    for (a, b) in last.iter().zip(&now) {
+                        // The steepest smooth fade of 0.1 s moves 0.0625 per 1/240 s.
+                        prop_assert!((a - b).abs() < 0.12, "a weight jumped by {}", (a - b).abs());
+                    }
+                    last = now;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Everything a character needs, as one plugin group.
+
+use bevy::{app::PluginGroupBuilder, prelude::*};
+
+use crate::{
+    character::{
+        animator::AnimatorPlugin, bind::BindPlugin, foot_ik::FootIkPlugin, locomotion::LocomotionPlugin,
+        motion::MotionPlugin, schedule::SchedulePlugin,
+    },
+    rig::RigPlugin,
+};
+
+/// Everything a character needs: loading, controller, locomotion, animation, foot IK, and with the feature `render` its
+/// skin on the GPU.
+///
+/// Add it after `DefaultPlugins` (or `MinimalPlugins`, `TransformPlugin` and `AssetPlugin`) and avian's `PhysicsPlugins`.
+pub struct SurefootPlugins;
+
+impl PluginGroup for SurefootPlugins {
+    fn build(self) -> PluginGroupBuilder {
+        PluginGroupBuilder::start::<Self>()
+            .add(SchedulePlugin)
+            .add(RigPlugin)
+            .add(BindPlugin)
+            .add(MotionPlugin)
+            .add(LocomotionPlugin)
+            .add(AnimatorPlugin)
+            .add(FootIkPlugin)
+    }
+}

@@ -1,0 +1,215 @@
+//! An app without window or GPU, stepped frame by frame.
+
+use core::time::Duration;
+use std::path::Path;
+
+use avian3d::prelude::*;
+use bevy::{
+    asset::{AssetPlugin, LoadState},
+    prelude::*,
+    time::TimeUpdateStrategy,
+};
+
+use super::{tape::Tape, world::World as Ground};
+use crate::{
+    SurefootPlugins,
+    character::{Character, intent::MoveIntent, motion::MotionState},
+    measure::{
+        record::{MeasurePlugin, Recorder},
+        summary::{Measures, summarize},
+    },
+    rig::CharacterAsset,
+};
+
+/// Why a stage could not be set.
+#[derive(thiserror::Error, Debug)]
+pub enum StageError {
+    /// The character's file or something that it names could not be loaded.
+    #[error("{path}: {reason}")]
+    Load {
+        /// The file asked for.
+        path: String,
+        /// What the loader says.
+        reason: String,
+    },
+}
+
+/// A headless app with a ground and characters on it.
+pub struct Stage {
+    app: App,
+    dt: f32,
+}
+
+/// Frames per second that measures are meant for.
+const FRAME_RATE: f32 = 60.0;
+/// Longest wait for a character's files, in updates of about a millisecond.
+const LOAD_UPDATES: usize = 20_000;
+
+impl Stage {
+    /// A stage with this ground; asset paths are relative to the folder `assets`.
+    #[must_use]
+    pub fn new(ground: &Ground, assets: &Path) -> Self {
+        let mut app = App::new();
+        app.add_plugins((
+            MinimalPlugins,
+            TransformPlugin,
+            AssetPlugin { file_path: assets.to_string_lossy().into_owned(), ..default() },
+            PhysicsPlugins::default(),
+            SurefootPlugins,
+            MeasurePlugin,
+        ));
+        let mut stage = Self { app, dt: 1.0 / FRAME_RATE };
+        stage.set_frame_rate(FRAME_RATE);
+        for piece in &ground.pieces {
+            stage.spawn_piece(piece);
+        }
+        stage.app.finish();
+        stage.app.cleanup();
+        stage.app.update();
+        stage
+    }
+
+    /// A stage with this ground and the assets of this crate's source folder.
+    #[must_use]
+    pub fn on(ground: &Ground) -> Self {
+        Self::new(ground, Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets")))
+    }
+
+    /// Frames per second from now on; the fixed clock stays as it is.
+    pub fn set_frame_rate(&mut self, hertz: f32) {
+        self.dt = 1.0 / hertz;
+        let step = Duration::from_secs_f32(self.dt);
+        self.app.insert_resource(TimeUpdateStrategy::ManualDuration(step));
+    }
+
+    /// The app itself.
+    pub fn app(&mut self) -> &mut App {
+        &mut self.app
+    }
+
+    /// Puts a character on the stage, its feet at `place`, and waits until it is loaded and bound.
+    ///
+    /// # Errors
+    /// When its files can't be loaded.
+    pub fn spawn_character(&mut self, path: &str, place: Transform) -> Result<Entity, StageError> {
+        let handle: Handle<CharacterAsset> = self.app.world().resource::<AssetServer>().load(path.to_owned());
+        self.load(&handle, path)?;
+        let entity = self.app.world_mut().spawn((Character(handle), place, Recorder::default())).id();
+        // One frame to bind, one to stand.
+        self.app.update();
+        self.app.update();
+        Ok(entity)
+    }
+
+    fn load(&mut self, handle: &Handle<CharacterAsset>, path: &str) -> Result<(), StageError> {
+        let error = |reason: String| StageError::Load { path: path.to_owned(), reason };
+        // Time stands still while files load.
+        self.app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+        let mut outcome = Err(error("still not loaded after 20 s".to_owned()));
+        for _ in 0..LOAD_UPDATES {
+            self.app.update();
+            match self.app.world().resource::<AssetServer>().get_load_state(handle) {
+                Some(LoadState::Loaded) => {
+                    outcome = Ok(());
+                    break;
+                }
+                Some(LoadState::Failed(reason)) => {
+                    outcome = Err(error(reason.to_string()));
+                    break;
+                }
+                _ => std::thread::sleep(Duration::from_millis(1)),
+            }
+        }
+        self.set_frame_rate(1.0 / self.dt);
+        outcome
+    }
+
+    /// Puts this crate's mannequin at the origin.
+    ///
+    /// # Errors
+    /// When its files can't be loaded.
+    pub fn spawn_walker(&mut self) -> Result<Entity, StageError> {
+        self.spawn_character("mannequin.character.ron", Transform::IDENTITY)
+    }
+
+    /// Puts a solid on the stage.
+    pub fn spawn_piece(&mut self, piece: &super::world::Piece) -> Entity {
+        let body = if piece.motion.is_some() { RigidBody::Kinematic } else { RigidBody::Static };
+        let mut entity = self.app.world_mut().spawn((body, piece.collider(), piece.transform));
+        if let Some((velocity, turn)) = piece.motion {
+            entity.insert((LinearVelocity(velocity), AngularVelocity(Vec3::Y * turn)));
+        }
+        entity.id()
+    }
+
+    /// What the character wants from now on.
+    pub fn intend(&mut self, character: Entity, intent: MoveIntent) -> &mut Self {
+        if let Some(mut wanted) = self.app.world_mut().get_mut::<MoveIntent>(character) {
+            *wanted = intent;
+        }
+        self
+    }
+
+    /// Wanted velocity in m/s from now on.
+    pub fn walk(&mut self, character: Entity, velocity: Vec3) -> &mut Self {
+        self.intend(character, MoveIntent { velocity, ..default() })
+    }
+
+    /// Lets `seconds` pass.
+    pub fn run_for(&mut self, seconds: f32) -> &mut Self {
+        for _ in 0..(seconds / self.dt).round().max(0.0) as usize {
+            self.app.update();
+        }
+        self
+    }
+
+    /// Plays a whole tape.
+    pub fn play(&mut self, character: Entity, tape: &Tape) -> &mut Self {
+        for frame in 0..(tape.seconds / self.dt).round() as usize {
+            self.intend(character, tape.intent_at(frame as f32 * self.dt));
+            self.app.update();
+        }
+        self
+    }
+
+    /// Turns foot IK of this character's file on or off.
+    pub fn set_foot_ik(&mut self, character: Entity, enabled: bool) {
+        let world = self.app.world_mut();
+        let Some(handle) = world.get::<Character>(character).map(|character| character.0.clone()) else { return };
+        if let Some(asset) = world.resource_mut::<Assets<CharacterAsset>>().get_mut_untracked(&handle) {
+            asset.file.foot_ik.enabled = enabled;
+        }
+    }
+
+    /// Forgets what was recorded.
+    pub fn start_recording(&mut self, character: Entity) -> &mut Self {
+        if let Some(mut recorder) = self.app.world_mut().get_mut::<Recorder>(character) {
+            *recorder = Recorder::default();
+        }
+        self
+    }
+
+    /// Figures of what was recorded.
+    #[must_use]
+    pub fn measures(&self, character: Entity) -> Measures {
+        self.get::<Recorder>(character).map_or_else(Measures::default, |recorder| summarize(&recorder.frames))
+    }
+
+    /// A component of the character.
+    #[must_use]
+    pub fn get<C: Component>(&self, character: Entity) -> Option<&C> {
+        self.app.world().get::<C>(character)
+    }
+
+    /// Where the character stands, world.
+    #[must_use]
+    pub fn root(&self, character: Entity) -> Vec3 {
+        self.get::<Transform>(character).map_or(Vec3::NAN, |transform| transform.translation)
+    }
+
+    /// Whether the character stands on ground.
+    #[must_use]
+    pub fn is_grounded(&self, character: Entity) -> bool {
+        self.get::<MotionState>(character).is_some_and(|motion| motion.ground.is_some())
+    }
+}

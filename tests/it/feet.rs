@@ -1,0 +1,92 @@
+//! Feet on the ground: float, penetration, drift, reach.
+
+use bevy::prelude::*;
+use surefoot::{
+    character::{animator::CharacterPose, foot_ik::FootIk, sole::sole_model},
+    measure::summary::Measures,
+    rig::CharacterAsset,
+    testing::{Stage, Tape, World},
+};
+
+fn play(world: &World, tape: &Tape) -> Measures {
+    let mut stage = Stage::on(world);
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.run_for(0.5).start_recording(walker).play(walker, tape);
+    let measures = stage.measures(walker);
+    println!("{} / {}: {measures:#?}", world.name, tape.name);
+    measures
+}
+
+fn assert_on_the_ground(measures: &Measures, case: &str) {
+    let Measures { float_p95, penetration_p99, penetration_max, .. } = *measures;
+    assert!(float_p95 <= 10.0, "{case}: feet float by {float_p95:.1} mm (p95)");
+    assert!(penetration_p99 <= 5.0, "{case}: feet sink by {penetration_p99:.1} mm (p99)");
+    assert!(penetration_max <= 15.0, "{case}: a foot sinks by {penetration_max:.1} mm");
+    assert_eq!(measures.knee_hyperextended, 0, "{case}: knees bend backward");
+    assert!(measures.extension_max <= 0.9951, "{case}: a leg stretches to {:.4}", measures.extension_max);
+}
+
+#[test]
+fn standing_on_a_slope_of_15_degrees() {
+    let measures = play(&World::slope(15.0), &Tape::stand());
+    assert_on_the_ground(&measures, "standing on 15°");
+    assert!(measures.drift_max <= 1.0, "a standing foot drifts by {:.1} mm", measures.drift_max);
+}
+
+#[test]
+fn walking_up_a_ramp_of_15_degrees() {
+    assert_on_the_ground(&play(&World::ramp(15.0), &Tape::walk()), "walking up 15°");
+}
+
+#[test]
+fn walking_up_and_down_stairs() {
+    assert_on_the_ground(&play(&World::stairs_up(12, 0.17, 0.29), &Tape::walk()), "stairs up");
+    assert_on_the_ground(&play(&World::stairs_down(12, 0.17, 0.29), &Tape::walk()), "stairs down");
+}
+
+#[test]
+fn standing_on_stairs() {
+    let mut stage = Stage::on(&World::stairs_up(12, 0.17, 0.29));
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.run_for(0.5).walk(walker, Vec3::NEG_Z * 1.4).run_for(3.6).walk(walker, Vec3::ZERO).run_for(1.5);
+    let root = stage.root(walker);
+    assert!(root.y > 0.3, "it stands on the stairs, at {root}");
+    stage.start_recording(walker).run_for(1.0);
+    let measures = stage.measures(walker);
+    assert_on_the_ground(&measures, "standing on stairs");
+}
+
+#[test]
+fn on_level_ground_the_animated_pose_stands() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.run_for(1.0);
+    let ankles = |stage: &mut Stage| {
+        let handle = stage.get::<surefoot::character::Character>(walker).expect("spawned").0.clone();
+        let asset = stage.app().world().resource::<Assets<CharacterAsset>>().get(&handle).expect("loaded").clone();
+        let pose = &stage.get::<CharacterPose>(walker).expect("bound").pose;
+        [0, 1].map(|side| sole_model(pose, &asset.legs[side]))
+    };
+    let with = ankles(&mut stage);
+    let mut plain = Stage::on(&World::flat());
+    let other = plain.spawn_walker().expect("the mannequin loads");
+    plain.set_foot_ik(other, false);
+    plain.run_for(1.0);
+    assert_eq!(walker, other, "both stages spawn alike");
+    let without = ankles(&mut plain);
+    let off = with.iter().flatten().zip(without.iter().flatten()).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    assert!(off < 1e-4, "foot IK moves the standing feet by {:.2} mm", off * 1000.0);
+}
+
+#[test]
+fn ground_that_vanishes_lets_the_feet_go() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.run_for(0.5);
+    let ground = stage.get::<FootIk>(walker).expect("bound").feet[0].plant().expect("the foot is planted").ground;
+    stage.app().world_mut().despawn(ground);
+    stage.run_for(0.5);
+    let root = stage.root(walker);
+    assert!(root.is_finite() && root.y < -0.3, "it falls, and is at {root}");
+    assert!(stage.get::<FootIk>(walker).expect("bound").feet[0].plant().is_none(), "the foot holds nothing");
+}

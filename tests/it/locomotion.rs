@@ -1,0 +1,125 @@
+//! Intents in, the right clips out.
+
+use bevy::prelude::*;
+use surefoot::{
+    character::{animator::CharacterPose, intent::MoveIntent, locomotion::Locomotion},
+    testing::{Stage, Tape, World},
+};
+
+fn state(stage: &Stage, walker: Entity) -> String {
+    stage.get::<Locomotion>(walker).expect("the walker is bound").state().to_owned()
+}
+
+fn weight(stage: &Stage, walker: Entity, name: &str) -> f32 {
+    stage.get::<Locomotion>(walker).expect("the walker is bound").weight_of(name)
+}
+
+#[test]
+fn intents_lead_from_idle_over_walk_to_run_and_back() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    for (speed, name) in [(0.0, "idle"), (1.4, "walk"), (3.5, "run"), (1.4, "walk"), (0.0, "idle")] {
+        stage.walk(walker, Vec3::NEG_Z * speed).run_for(1.5);
+        assert_eq!(state(&stage, walker), name, "after 1.5 s at {speed} m/s");
+        let weight = weight(&stage, walker, name);
+        assert!(weight > 0.999, "{name} weighs {weight} after 1.5 s at {speed} m/s");
+    }
+}
+
+#[test]
+fn a_fade_takes_between_a_tenth_and_three_tenths_of_a_second() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.run_for(0.5).walk(walker, Vec3::NEG_Z * 1.4);
+    let (mut first, mut last) = (None, None);
+    for frame in 0..60 {
+        stage.run_for(1.0 / 60.0);
+        let weight = weight(&stage, walker, "walk");
+        if weight > 0.01 {
+            first = first.or(Some(frame));
+        }
+        if weight > 0.99 {
+            last = last.or(Some(frame));
+        }
+    }
+    let (first, last) = (first.expect("walking begins"), last.expect("walking is reached"));
+    let seconds = (last - first) as f32 / 60.0;
+    assert!((0.08..=0.3).contains(&seconds), "the fade took {seconds:.2} s");
+}
+
+#[test]
+fn walk_and_run_keep_the_phase_of_the_feet() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.walk(walker, Vec3::NEG_Z * 1.4).run_for(2.0).walk(walker, Vec3::NEG_Z * 3.5);
+    let mut last = stage.get::<Locomotion>(walker).expect("bound").machine.phase();
+    for _ in 0..90 {
+        stage.run_for(1.0 / 60.0);
+        let phase = stage.get::<Locomotion>(walker).expect("bound").machine.phase();
+        let moved = (phase - last).rem_euclid(1.0);
+        assert!(moved < 0.05, "the phase jumped by {moved:.3} of a stride in one frame");
+        last = phase;
+    }
+    assert_eq!(state(&stage, walker), "run");
+}
+
+#[test]
+fn turning_and_reversing_in_a_fade_never_pops() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.run_for(0.5);
+    let steps = [Vec3::NEG_Z * 1.4, Vec3::ZERO, Vec3::Z * 3.5, Vec3::X * 1.4, Vec3::NEG_X * 3.5, Vec3::ZERO];
+    let mut last: Option<Vec<Quat>> = None;
+    let mut worst = 0.0f32;
+    for velocity in steps.into_iter().cycle().take(18) {
+        stage.walk(walker, velocity);
+        for _ in 0..7 {
+            stage.run_for(1.0 / 60.0);
+            let pose = &stage.get::<CharacterPose>(walker).expect("bound").pose;
+            let now: Vec<Quat> = pose.locals().iter().map(|joint| joint.rotation).collect();
+            if let Some(last) = &last {
+                let turn = now.iter().zip(last).map(|(a, b)| a.angle_between(*b)).fold(0.0, f32::max);
+                worst = worst.max(turn.to_degrees());
+            }
+            last = Some(now);
+        }
+    }
+    // A running knee turns by up to 12° a frame (GAIT data: 710°/s); twice that is a pop.
+    assert!(worst < 24.0, "a joint turned by {worst:.1}° in one frame");
+}
+
+#[test]
+fn nan_in_an_intent_is_harmless() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    let nonsense =
+        MoveIntent { velocity: Vec3::new(f32::NAN, f32::INFINITY, 1.0), facing: Some(Vec3::NAN), ..default() };
+    stage.intend(walker, nonsense).run_for(0.5);
+    let root = stage.root(walker);
+    assert!(root.is_finite(), "the root went to {root}");
+    stage.walk(walker, Vec3::NEG_Z * 1.4).run_for(1.0);
+    assert!(stage.root(walker).z < root.z - 0.8, "it walks no more: {}", stage.root(walker));
+}
+
+#[test]
+fn the_first_pose_change_comes_within_two_frames() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.run_for(1.0);
+    let before = stage.root(walker);
+    stage.walk(walker, Vec3::NEG_Z * 1.4).run_for(2.0 / 60.0);
+    let moved = stage.root(walker).distance(before);
+    assert!(moved > 1e-4, "moved {moved} m within two frames");
+}
+
+#[test]
+fn two_runs_of_one_tape_give_the_same_poses() {
+    let run = || {
+        let mut stage = Stage::on(&World::hills());
+        let walker = stage.spawn_walker().expect("the mannequin loads");
+        stage.play(walker, &Tape::change_gait());
+        let pose = &stage.get::<CharacterPose>(walker).expect("bound").pose;
+        pose.locals().iter().flat_map(|joint| joint.rotation.to_array()).map(f32::to_bits).collect::<Vec<u32>>()
+    };
+    assert!(run() == run(), "two runs of one tape end in different poses");
+}
