@@ -29,7 +29,7 @@ impl Landings {
     pub(super) fn find(asset: &CharacterAsset, clips: &[usize], scratch: &mut Pose) -> Self {
         let mut per_clip = Vec::new();
         for &index in clips {
-            let clip = &asset.clips[index];
+            let clip = &asset.clips()[index];
             per_clip.push([0, 1].map(|foot| {
                 let start = clip.gait.contact[foot].first()?.start;
                 let time = clip.gait.time_at(start, clip.clip.duration);

@@ -42,7 +42,7 @@ impl Locomotion {
         let facts: Vec<ClipFacts> = clips
             .iter()
             .map(|&index| {
-                let CharacterClip { clip, gait, .. } = &asset.clips[index];
+                let CharacterClip { clip, gait, .. } = &asset.clips()[index];
                 ClipFacts {
                     duration: clip.duration,
                     looping: clip.looping,
@@ -65,7 +65,7 @@ impl Locomotion {
     /// The clip that a state plays.
     #[must_use]
     pub fn clip<'a>(&self, asset: &'a CharacterAsset, state: usize) -> Option<&'a CharacterClip> {
-        asset.clips.get(*self.clips.get(state)?)
+        asset.clips().get(*self.clips.get(state)?)
     }
 
     /// Pulls a trigger: a transition that waits for `name` may be taken in the next frame.
