@@ -21,7 +21,7 @@ use surefoot::{
     character::{
         Character, animator::CharacterPose, intent::MoveIntent, locomotion::Locomotion, schedule::PoseSystems,
     },
-    rig::{CharacterAsset, Rig},
+    rig::{Rig, character::CharacterAsset},
     testing::World as Ground,
 };
 

@@ -7,7 +7,7 @@ use crate::{
         animator::AnimatorPlugin, bind::BindPlugin, foot_ik::FootIkPlugin, locomotion::LocomotionPlugin,
         motion::MotionPlugin, schedule::SchedulePlugin,
     },
-    rig::RigPlugin,
+    rig::loader::RigPlugin,
 };
 
 /// Everything a character needs: loading, controller, locomotion, animation, foot IK, and with the feature `render` its

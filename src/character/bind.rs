@@ -9,7 +9,7 @@ use super::{
     foot_ik::{FootIk, GroundFilter},
     locomotion::Locomotion,
 };
-use crate::rig::CharacterAsset;
+use crate::rig::character::CharacterAsset;
 
 /// Looks up the loaded file of a character.
 #[derive(SystemParam)]
@@ -51,8 +51,8 @@ fn bind(
             .insert_if_new(ground);
     };
     for event in events.read() {
-        let AssetEvent::Modified { id } = event else { continue };
-        for (entity, character) in bound.iter().filter(|(_, character)| character.0.id() == *id) {
+        let &AssetEvent::Modified { id } = event else { continue };
+        for (entity, character) in bound.iter().filter(|(_, character)| character.0.id() == id) {
             if let Some(asset) = assets.get(character) {
                 give(entity, asset);
             }

@@ -11,7 +11,7 @@ pub mod sole;
 
 use bevy::prelude::*;
 
-use crate::rig::CharacterAsset;
+use crate::rig::character::CharacterAsset;
 
 /// A character of this file: the one component to spawn, everything else follows.
 ///

@@ -35,7 +35,7 @@ impl Plugin for SchedulePlugin {
             PostUpdate,
             (PoseSystems::Locomote, PoseSystems::Sample, PoseSystems::Plant, PoseSystems::Attach, PoseSystems::Palette)
                 .chain()
-                .before(bevy::transform::TransformSystems::Propagate),
+                .before(TransformSystems::Propagate),
         );
     }
 }

@@ -1,6 +1,6 @@
 //! Figures from recorded frames. Pure. Definitions: see each field of [`Measures`]; lengths in the unit that its name says.
 
-use bevy::prelude::*;
+use bevy::{math::ops, prelude::*};
 
 /// One foot in one frame, world space, metres.
 #[derive(Clone, Copy, Debug, Default)]
@@ -185,7 +185,7 @@ fn skate(frames: &[Frame]) -> f32 {
             let lowest = heights.filter_map(|(i, (p, g))| g.map(|g| (i, p.y - g))).min_by(|a, b| a.1.total_cmp(&b.1));
             let Some((point, height)) = lowest else { continue };
             let speed = (after.sole[point] - before.sole[point]).with_y(0.0).length() / dt;
-            let share = 2.0 - bevy::math::ops::exp2((height / SKATE_HEIGHT).clamp(0.0, 1.0));
+            let share = 2.0 - ops::exp2((height / SKATE_HEIGHT).clamp(0.0, 1.0));
             sum += speed * share * 100.0;
             count += 1;
         }

@@ -18,7 +18,7 @@ use crate::{
         record::{MeasurePlugin, Recorder},
         summary::{Measures, summarize},
     },
-    rig::CharacterAsset,
+    rig::character::CharacterAsset,
 };
 
 /// Why a stage could not be set.

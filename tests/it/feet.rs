@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use surefoot::{
     character::{animator::CharacterPose, foot_ik::FootIk, sole::sole_model},
     measure::summary::Measures,
-    rig::CharacterAsset,
+    rig::character::CharacterAsset,
     testing::{Stage, Tape, World},
 };
 

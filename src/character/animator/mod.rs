@@ -12,7 +12,7 @@ use crate::{
         pose::Pose,
         skeleton::{JointTransform, Skeleton},
     },
-    rig::CharacterAsset,
+    rig::character::CharacterAsset,
 };
 
 /// A character's pose: written by the animator, changed by foot IK, read by skinning.

@@ -25,7 +25,7 @@ use super::{
 use crate::{
     anim::{ik::two_bone::Extension, leg::Leg, pose::Pose},
     math::{rotation::from_scaled_axis, spring::damp},
-    rig::{CharacterAsset, tuning::foot_ik::FootIkConfig},
+    rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
 };
 
 /// Leg length in metres that the lengths of [`FootIkConfig`] are meant for.

@@ -6,7 +6,7 @@ use super::Locomotion;
 use crate::{
     anim::{leg::Leg, pose::Pose},
     character::sole::sole_model,
-    rig::{CharacterAsset, CharacterClip},
+    rig::character::{CharacterAsset, CharacterClip},
 };
 
 /// One foot as the playing clips have it.
