@@ -18,7 +18,7 @@ use crate::rig::character::CharacterAsset;
 /// Its `Transform` is the point on the ground between its feet; it faces -Z. Steer it by
 /// [`MoveIntent`](intent::MoveIntent).
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
-#[require(intent::MoveIntent, motion::MotionState, Transform)]
+#[require(intent::MoveIntent, motion::CharacterMotion, Transform)]
 pub struct Character(pub Handle<CharacterAsset>);
 
 impl From<Handle<CharacterAsset>> for Character {
