@@ -1,5 +1,7 @@
 //! All integration tests in one binary, since each one links for seconds.
 
+#![expect(unreachable_pub, reason = "modules of one binary share their support")]
+
 #[cfg(feature = "game")]
 mod camera;
 mod character_file;
