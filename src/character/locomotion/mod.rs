@@ -16,7 +16,10 @@ pub use machine::{ClipFacts, Facts, Machine, Taken};
 use super::{animator::CharacterPose, bind::CharacterAssets, motion::MotionState, schedule::PoseSystems};
 use crate::{
     anim::pose::Pose,
-    rig::{character::{CharacterAsset, CharacterClip}, tuning::locomotion::TransitionBlend},
+    rig::{
+        character::{CharacterAsset, CharacterClip},
+        tuning::locomotion::TransitionBlend,
+    },
 };
 
 /// What plays: the state machine and what follows from it.
