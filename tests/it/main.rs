@@ -12,7 +12,13 @@ mod layers;
 mod locomotion;
 mod mannequin;
 mod motion;
+#[cfg(feature = "render")]
+mod pictures;
+#[cfg(feature = "render")]
+mod render_support;
 mod rig;
+#[cfg(feature = "render")]
+mod shaders;
 mod support;
 #[cfg(feature = "game")]
 mod terrain;

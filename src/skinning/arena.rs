@@ -1,0 +1,319 @@
+//! Everyone's palettes in one array, ready to be copied to the GPU.
+//!
+//! Written by the CPU each frame (model space), read by `upload`, laid out as `shaders/skinning.wgsl` reads it.
+
+use core::ops::Range;
+
+use bevy::{
+    color::{ColorToComponents, LinearRgba},
+    math::Affine3A,
+    prelude::Resource,
+};
+use bytemuck::{Pod, Zeroable};
+
+use super::ranges::Ranges;
+
+/// The three rows of an affine matrix: 48 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct JointMatrix(pub [[f32; 4]; 3]);
+
+impl JointMatrix {
+    /// Moves nothing.
+    pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+}
+
+impl From<Affine3A> for JointMatrix {
+    fn from(matrix: Affine3A) -> Self {
+        let (m, t) = (matrix.matrix3.transpose(), matrix.translation);
+        Self([m.x_axis.extend(t.x).to_array(), m.y_axis.extend(t.y).to_array(), m.z_axis.extend(t.z).to_array()])
+    }
+}
+
+/// What a mesh instance is drawn with: `Instance` of `shaders/skinning.wgsl`, 32 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct InstanceRecord {
+    /// Where its matrices begin.
+    pub first: u32,
+    /// How many it has, at least 1.
+    pub count: u32,
+    padding: [u32; 2],
+    /// Linear RGBA that multiplies the base colour.
+    pub tint: [f32; 4],
+}
+
+impl InstanceRecord {
+    /// The identity matrix and no tint: what a mesh without a palette is drawn with.
+    pub const PLAIN: Self = Self { first: 0, count: 1, padding: [0; 2], tint: [1.0; 4] };
+}
+
+/// A piece of the arena: matrices, and the record that names them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SkinRange {
+    first: u32,
+    len: u32,
+    instance: u32,
+}
+
+impl SkinRange {
+    /// How many matrices it has.
+    #[must_use]
+    pub fn len(self) -> usize {
+        self.len as usize
+    }
+
+    /// Whether it has no matrix.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.len == 0
+    }
+
+    /// Index of its record: what a mesh's `MeshTag` holds. 0 is drawn unskinned.
+    #[must_use]
+    pub fn instance(self) -> u32 {
+        self.instance
+    }
+
+    fn indices(self) -> Range<usize> {
+        self.first as usize..(self.first + self.len) as usize
+    }
+}
+
+/// The arena cannot grow as far as a palette needs.
+#[derive(thiserror::Error, Clone, Copy, Debug, PartialEq, Eq)]
+#[error("no room for {wanted} joint matrices: {used} are in use and this GPU holds {limit}; despawn characters first")]
+pub struct ArenaFull {
+    /// Matrices asked for.
+    pub wanted: u32,
+    /// Matrices in use.
+    pub used: u32,
+    /// Matrices that one storage buffer holds, in two halves.
+    pub limit: u32,
+}
+
+/// What changed since the GPU last took it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pending {
+    /// Any matrix.
+    pub(super) matrices: bool,
+    /// Any record.
+    pub(super) instances: bool,
+    /// Matrices that had no last frame.
+    pub(super) fresh: Vec<Range<u32>>,
+}
+
+/// Every palette of every character, as the GPU reads it. Matrix 0 is the identity, record 0 is [`InstanceRecord::PLAIN`].
+#[derive(Resource, Clone, Debug)]
+pub struct SkinArena {
+    matrices: Vec<JointMatrix>,
+    ranges: Ranges,
+    instances: Vec<InstanceRecord>,
+    free_instances: Vec<u32>,
+    matrix_capacity: u32,
+    instance_capacity: u32,
+    matrix_limit: u32,
+    pub(super) pending: Pending,
+}
+
+impl SkinArena {
+    /// Room for `joint_count` matrices before it first grows.
+    #[must_use]
+    pub fn with_capacity(joint_count: u32) -> Self {
+        let mut arena = Self {
+            matrices: Vec::with_capacity(joint_count as usize),
+            ranges: Ranges::default(),
+            instances: vec![InstanceRecord::PLAIN],
+            free_instances: vec![],
+            matrix_capacity: joint_count.max(1),
+            instance_capacity: (joint_count / 32).max(16),
+            matrix_limit: u32::MAX,
+            pending: Pending { matrices: true, instances: true, fresh: vec![] },
+        };
+        arena.ranges.take(1, u32::MAX);
+        arena.matrices.push(JointMatrix::IDENTITY);
+        arena
+    }
+
+    /// Takes `joint_count` matrices, all identity, and a record that names them.
+    ///
+    /// # Errors
+    /// When the GPU cannot hold as many.
+    pub fn allocate(&mut self, joint_count: u32) -> Result<SkinRange, ArenaFull> {
+        let full = ArenaFull { wanted: joint_count, used: self.ranges.end(), limit: self.matrix_limit };
+        let first = if joint_count == 0 { 0 } else { self.ranges.take(joint_count, self.matrix_limit).ok_or(full)? };
+        let end = self.ranges.end();
+        while self.matrix_capacity < end {
+            self.matrix_capacity = self.matrix_capacity.saturating_mul(2).min(self.matrix_limit);
+        }
+        if self.matrices.len() < end as usize {
+            self.matrices.resize(end as usize, JointMatrix::IDENTITY);
+        }
+        let record = InstanceRecord { first, count: joint_count.max(1), ..InstanceRecord::PLAIN };
+        let range = SkinRange { first, len: joint_count, instance: self.allocate_instance(record) };
+        self.matrices[range.indices()].fill(JointMatrix::IDENTITY);
+        self.pending.matrices = true;
+        self.note_fresh(first..first + joint_count);
+        Ok(range)
+    }
+
+    /// Gives a range back. What still names its record is drawn unskinned until the record is taken anew.
+    pub fn free(&mut self, range: SkinRange) {
+        if range.instance == 0 || self.instances.get(range.instance as usize).is_none() {
+            return;
+        }
+        self.ranges.give_back(range.first, range.len);
+        self.instances[range.instance as usize] = InstanceRecord::PLAIN;
+        self.free_instances.push(range.instance);
+        self.pending.instances = true;
+    }
+
+    /// The matrices of `range`, to be written: `model_from_joint * inverse_bind`, slot by slot.
+    pub fn matrices_mut(&mut self, range: SkinRange) -> &mut [JointMatrix] {
+        self.pending.matrices |= !range.is_empty();
+        self.matrices.get_mut(range.indices()).unwrap_or_default()
+    }
+
+    /// The matrices of `range`.
+    #[must_use]
+    pub fn matrices(&self, range: SkinRange) -> &[JointMatrix] {
+        self.matrices.get(range.indices()).unwrap_or_default()
+    }
+
+    /// Colours everything drawn with `range`: multiplies the base colour.
+    pub fn set_tint(&mut self, range: SkinRange, tint: LinearRgba) {
+        let tint = tint.to_f32_array();
+        if range.instance != 0
+            && let Some(record) = self.instances.get_mut(range.instance as usize)
+            && bytemuck::bytes_of(&record.tint) != bytemuck::bytes_of(&tint)
+        {
+            record.tint = tint;
+            self.pending.instances = true;
+        }
+    }
+
+    /// Every matrix in use, and free ones between.
+    #[must_use]
+    pub fn all_matrices(&self) -> &[JointMatrix] {
+        &self.matrices[..self.ranges.end() as usize]
+    }
+
+    /// Every record, used or not.
+    #[must_use]
+    pub fn all_instances(&self) -> &[InstanceRecord] {
+        &self.instances
+    }
+
+    /// Matrices and records it holds before it grows.
+    #[must_use]
+    pub fn capacity(&self) -> Capacity {
+        Capacity { matrices: self.matrix_capacity, instances: self.instance_capacity }
+    }
+
+    /// Never grows beyond `matrices`.
+    pub(super) fn set_limit(&mut self, matrices: u32) {
+        self.matrix_limit = matrices.max(self.ranges.end());
+        self.matrix_capacity = self.matrix_capacity.min(self.matrix_limit);
+    }
+
+    /// Forgets what changed: for worlds that draw nothing.
+    pub(super) fn forget_pending(&mut self) {
+        self.pending.matrices = false;
+        self.pending.instances = false;
+        self.pending.fresh.clear();
+    }
+
+    fn allocate_instance(&mut self, record: InstanceRecord) -> u32 {
+        self.pending.instances = true;
+        if let Some(instance) = self.free_instances.pop() {
+            self.instances[instance as usize] = record;
+            return instance;
+        }
+        self.instances.push(record);
+        let count = u32::try_from(self.instances.len()).unwrap_or(u32::MAX);
+        while self.instance_capacity < count {
+            self.instance_capacity = self.instance_capacity.saturating_mul(2);
+        }
+        count - 1
+    }
+
+    fn note_fresh(&mut self, range: Range<u32>) {
+        match self.pending.fresh.last_mut() {
+            Some(last) if last.end == range.start => last.end = range.end,
+            _ if range.is_empty() => {}
+            _ => self.pending.fresh.push(range),
+        }
+    }
+}
+
+/// How much a buffer holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capacity {
+    /// Joint matrices per half.
+    pub matrices: u32,
+    /// Instance records.
+    pub instances: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::math::{Quat, Vec3};
+
+    #[test]
+    fn a_row_matrix_moves_a_point_as_its_affine_does() {
+        let affine = Affine3A::from_scale_rotation_translation(
+            Vec3::new(1.0, 2.0, 0.5),
+            Quat::from_scaled_axis(Vec3::new(0.3, -1.0, 0.7)),
+            Vec3::new(4.0, 5.0, 6.0),
+        );
+        let point = Vec3::new(-1.0, 0.4, 2.0);
+        let rows = JointMatrix::from(affine).0.map(bevy::math::Vec4::from);
+        let moved = Vec3::from_array(rows.map(|row| row.dot(point.extend(1.0))));
+        assert!(moved.distance(affine.transform_point3(point)) < 1e-5, "{moved}");
+    }
+
+    #[test]
+    fn a_record_stays_where_it_is_when_the_arena_grows() {
+        let mut arena = SkinArena::with_capacity(4);
+        let range = arena.allocate(3).unwrap();
+        arena.matrices_mut(range)[2].0[0][3] = 7.0;
+        let others: Vec<_> = (0..100).map(|_| arena.allocate(50).unwrap()).collect();
+        assert!((arena.matrices(range)[2].0[0][3] - 7.0).abs() < 1e-6);
+        assert_eq!(arena.all_instances()[range.instance() as usize].first, 1);
+        assert_eq!(arena.capacity(), Capacity { matrices: 8192, instances: 128 });
+        assert_eq!(others[99].instance(), 101);
+    }
+
+    #[test]
+    fn what_is_freed_is_used_again_and_starts_at_identity() {
+        let mut arena = SkinArena::with_capacity(64);
+        let old = arena.allocate(10).unwrap();
+        let keep = arena.allocate(10).unwrap();
+        arena.matrices_mut(old).fill(JointMatrix([[9.0; 4]; 3]));
+        arena.set_tint(old, LinearRgba::RED);
+        arena.free(old);
+        assert_eq!(arena.all_instances()[old.instance() as usize], InstanceRecord::PLAIN);
+        let new = arena.allocate(10).unwrap();
+        assert_eq!((new, arena.matrices(new)[9]), (old, JointMatrix::IDENTITY));
+        assert_ne!(keep.instance(), new.instance());
+    }
+
+    #[test]
+    fn a_full_arena_says_so() {
+        let mut arena = SkinArena::with_capacity(8);
+        arena.set_limit(8);
+        let error = arena.allocate(8).expect_err("one of eight is the identity");
+        assert_eq!(error, ArenaFull { wanted: 8, used: 1, limit: 8 });
+        assert!(arena.allocate(7).is_ok());
+    }
+
+    #[test]
+    fn an_empty_palette_is_drawn_unskinned() {
+        let mut arena = SkinArena::with_capacity(8);
+        let range = arena.allocate(0).unwrap();
+        assert!(arena.matrices_mut(range).is_empty());
+        assert_eq!(arena.all_instances()[range.instance() as usize], InstanceRecord::PLAIN);
+        arena.free(range);
+    }
+}

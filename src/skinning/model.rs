@@ -1,0 +1,297 @@
+//! A character's visuals: meshes and materials of its glTF, drawn with palettes that follow its pose.
+//!
+//! Reads [`SkinPose`] (model space), writes [`SkinArena`]. Each skin in use, and each joint that carries an unskinned
+//! mesh, is a part: a child with a [`Palette`], whose children are the part's meshes. Nobody's transform is a joint's.
+
+use bevy::{
+    gltf::{Gltf, GltfMesh},
+    prelude::*,
+};
+
+use super::{
+    arena::{JointMatrix, SkinArena},
+    bounds::{PoseBounds, SlotBox},
+    convert::{Binding, Converted, ConvertedMesh, Converter, follow_sources},
+    material::SkinnedMaterial,
+    mesh::SkinMeshError,
+    morphs::{Morphs, apply_morphs},
+    palette::{Palette, SkinnedBy},
+};
+use crate::{
+    anim::{pose::Pose, skeleton::JointIndex},
+    character::schedule::PoseSystems,
+    rig::{MeshBinding, Rig},
+};
+
+/// Draws a character: spawns the meshes of `gltf` as children when both are loaded, again when either changes.
+#[derive(Component, Clone, Debug)]
+#[require(ModelStatus, Transform, Visibility)]
+pub struct SkinnedModel {
+    /// Meshes and materials.
+    pub gltf: Handle<Gltf>,
+    /// Skeleton and skins of the same file.
+    pub rig: Handle<Rig>,
+}
+
+/// The pose that a [`SkinnedModel`] on the same entity is drawn in. Without it, the rest pose.
+#[derive(Component, Clone, Debug, Default)]
+pub struct SkinPose(pub Pose);
+
+/// How far a [`SkinnedModel`] is.
+#[derive(Component, Clone, Debug, Default)]
+pub struct ModelStatus {
+    built: Option<(AssetId<Gltf>, AssetId<Rig>)>,
+}
+
+impl ModelStatus {
+    /// Whether the meshes are there.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        self.built.is_some()
+    }
+}
+
+/// Goes on a part: the character that it belongs to.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[relationship(relationship_target = ModelParts)]
+pub struct PartOf(pub Entity);
+
+/// The parts of a character's model.
+#[derive(Component, Debug, Default)]
+#[relationship_target(relationship = PartOf)]
+pub struct ModelParts(Vec<Entity>);
+
+/// What moves a part of a model.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModelPart {
+    /// The skin of this index in [`Rig::skins`].
+    Skin(usize),
+    /// One joint, rigidly.
+    Joint(JointIndex),
+}
+
+/// Builds models and writes their palettes.
+pub(super) struct SkinnedModelPlugin;
+
+impl Plugin for SkinnedModelPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Converted>()
+            .add_systems(
+                Update,
+                (follow_sources, forget_changed, build)
+                    .chain()
+                    .run_if(resource_exists::<Assets<Rig>>.and_then(resource_exists::<Assets<Gltf>>)),
+            )
+            .add_systems(
+                PostUpdate,
+                (update_palettes.run_if(resource_exists::<Assets<Rig>>), apply_morphs).in_set(PoseSystems::Palette),
+            );
+    }
+}
+
+/// A model's file was loaded again: it is built again.
+fn forget_changed(
+    mut gltf_events: MessageReader<AssetEvent<Gltf>>,
+    mut rig_events: MessageReader<AssetEvent<Rig>>,
+    mut models: Query<&mut ModelStatus>,
+) {
+    let modified = |event: &AssetEvent<Gltf>| if let AssetEvent::Modified { id } = event { Some(*id) } else { None };
+    let gltfs: Vec<_> = gltf_events.read().filter_map(modified).collect();
+    let modified = |event: &AssetEvent<Rig>| if let AssetEvent::Modified { id } = event { Some(*id) } else { None };
+    let rigs: Vec<_> = rig_events.read().filter_map(modified).collect();
+    if gltfs.is_empty() && rigs.is_empty() {
+        return;
+    }
+    for mut status in &mut models {
+        if status.built.is_some_and(|(gltf, rig)| gltfs.contains(&gltf) || rigs.contains(&rig)) {
+            status.built = None;
+        }
+    }
+}
+
+fn build(
+    mut commands: Commands,
+    mut models: Query<(Entity, &SkinnedModel, &mut ModelStatus, Option<&ModelParts>)>,
+    gltfs: Res<Assets<Gltf>>,
+    rigs: Res<Assets<Rig>>,
+    server: Res<AssetServer>,
+    mut converter: Converter,
+) {
+    for (character, model, mut status, old_parts) in &mut models {
+        let wanted = (model.gltf.id(), model.rig.id());
+        if status.built == Some(wanted) {
+            continue;
+        }
+        let (Some(gltf), Some(rig)) = (gltfs.get(&model.gltf), rigs.get(&model.rig)) else { continue };
+        let Some(parts) = plan(gltf, rig, &mut converter) else { continue };
+        for old in old_parts.into_iter().flat_map(ModelParts::iter) {
+            commands.entity(old).despawn();
+        }
+        let mut morphs = Morphs::default();
+        for part in parts {
+            for (name, error) in &part.errors {
+                let file = server.get_path(model.gltf.id()).map_or_else(String::new, |path| format!("{path}: "));
+                error!("{file}mesh `{name}` is not drawn: {error}");
+            }
+            part.spawn(character, &mut morphs, &mut commands);
+        }
+        if !morphs.is_empty() {
+            commands.entity(character).insert(morphs);
+        }
+        status.built = Some(wanted);
+    }
+}
+
+/// A part to be spawned.
+struct PartPlan {
+    part: ModelPart,
+    boxes: Vec<SlotBox>,
+    meshes: Vec<MeshPlan>,
+    errors: Vec<(String, SkinMeshError)>,
+}
+
+struct MeshPlan {
+    name: String,
+    mesh: Handle<Mesh>,
+    material: Handle<SkinnedMaterial>,
+    /// Morph targets by name, and their weights at rest.
+    morphs: Vec<(String, f32)>,
+}
+
+/// What to spawn for `rig`'s meshes; `None` while something is still loading.
+fn plan(gltf: &Gltf, rig: &Rig, converter: &mut Converter) -> Option<Vec<PartPlan>> {
+    let mut parts: Vec<PartPlan> = vec![];
+    for binding in &rig.meshes {
+        let Some(handle) = gltf.meshes.get(binding.mesh) else {
+            warn!("mesh {} of {} is not in the glTF", binding.mesh, rig.meshes.len());
+            continue;
+        };
+        let mesh = converter.gltf_mesh(handle)?;
+        plan_mesh(&mesh, binding, rig, converter, &mut parts)?;
+    }
+    Some(parts)
+}
+
+fn plan_mesh(
+    mesh: &GltfMesh,
+    binding: &MeshBinding,
+    rig: &Rig,
+    converter: &mut Converter,
+    parts: &mut Vec<PartPlan>,
+) -> Option<()> {
+    for (index, primitive) in mesh.primitives.iter().enumerate() {
+        let influences = binding.influences.get(index);
+        let material = converter.material(primitive.material.as_ref())?;
+        let skin = binding.skin.and_then(|skin| Some((skin, rig.skins.get(skin)?)));
+        let mut bound = match skin {
+            None => (ModelPart::Joint(binding.joint), converter.mesh(&primitive.mesh, Binding::Rigid, None)),
+            Some((index, skin)) => {
+                let slot_count = skin.joints.len();
+                let node = skin.joints.iter().position(|joint| *joint == binding.joint);
+                let unweighted = node.and_then(|slot| u16::try_from(slot).ok()).unwrap_or(0);
+                let how = Binding::Skin { skin: index, slot_count, unweighted };
+                (ModelPart::Skin(index), converter.mesh(&primitive.mesh, how, influences))
+            }
+        };
+        if matches!(bound.1, Err(SkinMeshError::Missing(_))) {
+            bound = (ModelPart::Joint(binding.joint), converter.mesh(&primitive.mesh, Binding::Rigid, None));
+        }
+        let (part, converted) = bound;
+        let plan = match parts.iter().position(|plan| plan.part == part) {
+            Some(at) => &mut parts[at],
+            None => {
+                parts.push(PartPlan { part, boxes: vec![], meshes: vec![], errors: vec![] });
+                parts.last_mut()?
+            }
+        };
+        match converted {
+            Err(error) => plan.errors.push((primitive.name.clone(), error)),
+            Ok(converted) => plan.add(primitive.name.clone(), converted, material, &binding.morph_weights),
+        }
+    }
+    Some(())
+}
+
+impl PartPlan {
+    fn add(&mut self, name: String, converted: ConvertedMesh, material: Handle<SkinnedMaterial>, rest: &[f32]) {
+        self.boxes.resize(converted.boxes.len().max(self.boxes.len()), SlotBox::EMPTY);
+        for (sum, slot_box) in self.boxes.iter_mut().zip(&*converted.boxes) {
+            sum.unite(*slot_box);
+        }
+        let rest = rest.iter().copied().chain(core::iter::repeat(0.0));
+        let morphs = converted.morphs.iter().cloned().zip(rest).collect();
+        self.meshes.push(MeshPlan { name, mesh: converted.mesh, material, morphs });
+    }
+
+    fn spawn(self, character: Entity, morphs: &mut Morphs, commands: &mut Commands) {
+        if self.meshes.is_empty() {
+            return;
+        }
+        let part = commands
+            .spawn((
+                self.part,
+                PartOf(character),
+                ChildOf(character),
+                Palette::new(self.boxes.len()),
+                PoseBounds::new(self.boxes.into()),
+                Transform::default(),
+                Visibility::default(),
+            ))
+            .id();
+        for plan in self.meshes {
+            let mut mesh = commands.spawn((
+                Name::new(plan.name),
+                Mesh3d(plan.mesh),
+                MeshMaterial3d(plan.material),
+                SkinnedBy(part),
+                ChildOf(part),
+            ));
+            if !plan.morphs.is_empty() {
+                mesh.insert(morphs.join(plan.morphs));
+            }
+        }
+    }
+}
+
+/// Pose → palettes, for characters whose pose or model changed.
+pub(super) fn update_palettes(
+    characters: Query<(&SkinnedModel, Option<&SkinPose>, &ModelParts), Or<(Changed<SkinPose>, Changed<ModelParts>)>>,
+    parts: Query<(&ModelPart, &Palette)>,
+    rigs: Res<Assets<Rig>>,
+    mut arena: ResMut<SkinArena>,
+) {
+    for (model, pose, model_parts) in &characters {
+        let Some(rig) = rigs.get(&model.rig) else { continue };
+        let rest;
+        let pose = match pose {
+            Some(pose) if pose.0.len() == rig.skeleton.len() => &pose.0,
+            Some(pose) if !pose.0.is_empty() => {
+                warn_once!("a pose of {} joints cannot move a rig of {}", pose.0.len(), rig.skeleton.len());
+                continue;
+            }
+            _ => {
+                rest = Pose::rest(&rig.skeleton);
+                &rest
+            }
+        };
+        for (part, palette) in parts.iter_many(model_parts.iter()) {
+            write_palette(*part, rig, pose, arena.matrices_mut(palette.range()));
+        }
+    }
+}
+
+fn write_palette(part: ModelPart, rig: &Rig, pose: &Pose, matrices: &mut [JointMatrix]) {
+    match part {
+        ModelPart::Skin(skin) => {
+            let Some(skin) = rig.skins.get(skin) else { return };
+            for (matrix, model_from_mesh) in matrices.iter_mut().zip(skin.palette(pose)) {
+                *matrix = model_from_mesh.into();
+            }
+        }
+        ModelPart::Joint(joint) => {
+            if let (Some(matrix), Some(model_from_joint)) = (matrices.first_mut(), pose.models().get(joint.index())) {
+                *matrix = (*model_from_joint).into();
+            }
+        }
+    }
+}
