@@ -18,13 +18,16 @@ pub struct SurefootPlugins;
 
 impl PluginGroup for SurefootPlugins {
     fn build(self) -> PluginGroupBuilder {
-        PluginGroupBuilder::start::<Self>()
+        let group = PluginGroupBuilder::start::<Self>()
             .add(SchedulePlugin)
             .add(RigPlugin)
             .add(BindPlugin)
             .add(MotionPlugin)
             .add(LocomotionPlugin)
             .add(AnimatorPlugin)
-            .add(FootIkPlugin)
+            .add(FootIkPlugin);
+        #[cfg(feature = "render")]
+        let group = group.add(crate::skinning::SkinningPlugin::default());
+        group
     }
 }

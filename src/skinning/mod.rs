@@ -2,11 +2,13 @@
 //!
 //! Any mesh can be skinned: give an entity a [`Palette`], write model-space matrices through [`SkinArena::matrices_mut`],
 //! and draw meshes made by [`skin_mesh`] with a [`SkinnedMaterial`] and [`SkinnedBy`] that entity.
-//! [`SkinnedModel`] does all of that for a character's glTF.
+//! [`SkinnedModel`] does all of that for a character's glTF, and a [`Character`](crate::character::Character) gets one
+//! when its file is loaded.
 
 pub mod arena;
 pub mod bounds;
 mod convert;
+mod dress;
 pub mod material;
 pub mod mesh;
 pub mod model;
@@ -65,9 +67,13 @@ impl Plugin for SkinningPlugin {
         palette::observe(app);
         if app.is_plugin_added::<PbrPlugin>() {
             embed_shaders(app);
-            app.add_plugins((MaterialPlugin::<SkinnedMaterial>::default(), model::SkinnedModelPlugin))
-                .add_systems(PostUpdate, upload::remake_bind_groups.before(AssetEventSystems))
-                .add_systems(PostUpdate, palette::refresh_morphs.after(VisibilitySystems::CheckVisibility));
+            app.add_plugins((
+                MaterialPlugin::<SkinnedMaterial>::default(),
+                model::SkinnedModelPlugin,
+                dress::DressPlugin,
+            ))
+            .add_systems(PostUpdate, upload::remake_bind_groups.before(AssetEventSystems))
+            .add_systems(PostUpdate, palette::refresh_morphs.after(VisibilitySystems::CheckVisibility));
             upload::build(app);
         }
     }

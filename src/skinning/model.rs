@@ -1,6 +1,6 @@
 //! A character's visuals: meshes and materials of its glTF, drawn with palettes that follow its pose.
 //!
-//! Reads [`SkinPose`] (model space), writes [`SkinArena`]. Each skin in use, and each joint that carries an unskinned
+//! Reads [`CharacterPose`] or [`SkinPose`] (model space), writes [`SkinArena`]. Each skin in use, and each joint that carries an unskinned
 //! mesh, is a part: a child with a [`Palette`], whose children are the part's meshes. Nobody's transform is a joint's.
 
 use bevy::{
@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     anim::{pose::Pose, skeleton::JointIndex},
-    character::schedule::PoseSystems,
+    character::{animator::CharacterPose, schedule::PoseSystems},
     rig::{MeshBinding, Rig},
 };
 
@@ -33,7 +33,8 @@ pub struct SkinnedModel {
     pub rig: Handle<Rig>,
 }
 
-/// The pose that a [`SkinnedModel`] on the same entity is drawn in. Without it, the rest pose.
+/// A pose of one's own: what a [`SkinnedModel`] on the same entity is drawn in, in place of its [`CharacterPose`].
+/// With neither it is drawn in the rest pose.
 #[derive(Component, Clone, Debug, Default)]
 pub struct SkinPose(pub Pose);
 
@@ -255,18 +256,22 @@ impl PartPlan {
 
 /// Pose → palettes, for characters whose pose or model changed.
 pub(super) fn update_palettes(
-    characters: Query<(&SkinnedModel, Option<&SkinPose>, &ModelParts), Or<(Changed<SkinPose>, Changed<ModelParts>)>>,
+    characters: Query<
+        (&SkinnedModel, Option<&CharacterPose>, Option<&SkinPose>, &ModelParts),
+        Or<(Changed<CharacterPose>, Changed<SkinPose>, Changed<ModelParts>)>,
+    >,
     parts: Query<(&ModelPart, &Palette)>,
     rigs: Res<Assets<Rig>>,
     mut arena: ResMut<SkinArena>,
 ) {
-    for (model, pose, model_parts) in &characters {
+    for (model, animated, own, model_parts) in &characters {
         let Some(rig) = rigs.get(&model.rig) else { continue };
+        let joint_count = rig.skeleton.len();
         let rest;
-        let pose = match pose {
-            Some(pose) if pose.0.len() == rig.skeleton.len() => &pose.0,
-            Some(pose) if !pose.0.is_empty() => {
-                warn_once!("a pose of {} joints cannot move a rig of {}", pose.0.len(), rig.skeleton.len());
+        let pose = match own.map(|own| &own.0).or(animated.map(|animated| &animated.pose)) {
+            Some(pose) if pose.len() == joint_count => pose,
+            Some(pose) if !pose.is_empty() => {
+                warn_once!("a pose of {} joints cannot move a rig of {joint_count}", pose.len());
                 continue;
             }
             _ => {
