@@ -8,7 +8,8 @@ use std::sync::Arc;
 use bevy::{camera::primitives::Aabb, math::Vec4, prelude::*};
 
 use super::{
-    arena::{JointMatrix, SkinArena},
+    arena::SkinArena,
+    layout::JointMatrix,
     palette::{Palette, SkinnedMeshes},
 };
 

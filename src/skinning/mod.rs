@@ -6,9 +6,11 @@
 //! when its file is loaded.
 
 pub mod arena;
+mod assemble;
 pub mod bounds;
 mod convert;
 mod dress;
+pub mod layout;
 pub mod material;
 pub mod mesh;
 pub mod model;
@@ -28,8 +30,9 @@ use bevy::{
 use std::path::{Path, PathBuf};
 
 pub use self::{
-    arena::{JointMatrix, SkinArena, SkinRange},
+    arena::{SkinArena, SkinRange},
     bounds::PoseBounds,
+    layout::JointMatrix,
     material::{SkinExtension, SkinnedMaterial},
     mesh::{SkinMeshError, skin_mesh},
     model::{SkinPose, SkinnedModel},

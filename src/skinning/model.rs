@@ -3,24 +3,20 @@
 //! Reads [`CharacterPose`] or [`SkinPose`] (model space), writes [`SkinArena`]. Each skin in use, and each joint that carries an unskinned
 //! mesh, is a part: a child with a [`Palette`], whose children are the part's meshes. Nobody's transform is a joint's.
 
-use bevy::{
-    gltf::{Gltf, GltfMesh},
-    prelude::*,
-};
+use bevy::{gltf::Gltf, prelude::*};
 
 use super::{
-    arena::{JointMatrix, SkinArena},
-    bounds::{PoseBounds, SlotBox},
-    convert::{Binding, Converted, ConvertedMesh, Converter, follow_sources},
-    material::SkinnedMaterial,
-    mesh::SkinMeshError,
+    arena::SkinArena,
+    assemble::plan,
+    convert::{Converted, Converter, follow_sources},
+    layout::JointMatrix,
     morphs::{Morphs, apply_morphs},
-    palette::{Palette, SkinnedBy},
+    palette::Palette,
 };
 use crate::{
     anim::{pose::Pose, skeleton::JointIndex},
     character::{animator::CharacterPose, schedule::PoseSystems},
-    rig::{MeshBinding, Rig},
+    rig::Rig,
 };
 
 /// Draws a character: spawns the meshes of `gltf` as children when both are loaded, again when either changes.
@@ -140,117 +136,6 @@ fn build(
             commands.entity(character).insert(morphs);
         }
         status.built = Some(wanted);
-    }
-}
-
-/// A part to be spawned.
-struct PartPlan {
-    part: ModelPart,
-    boxes: Vec<SlotBox>,
-    meshes: Vec<MeshPlan>,
-    errors: Vec<(String, SkinMeshError)>,
-}
-
-struct MeshPlan {
-    name: String,
-    mesh: Handle<Mesh>,
-    material: Handle<SkinnedMaterial>,
-    /// Morph targets by name, and their weights at rest.
-    morphs: Vec<(String, f32)>,
-}
-
-/// What to spawn for `rig`'s meshes; `None` while something is still loading.
-fn plan(gltf: &Gltf, rig: &Rig, converter: &mut Converter) -> Option<Vec<PartPlan>> {
-    let mut parts: Vec<PartPlan> = vec![];
-    for binding in &rig.meshes {
-        let Some(handle) = gltf.meshes.get(binding.mesh) else {
-            warn!("mesh {} of {} is not in the glTF", binding.mesh, rig.meshes.len());
-            continue;
-        };
-        let mesh = converter.gltf_mesh(handle)?;
-        plan_mesh(&mesh, binding, rig, converter, &mut parts)?;
-    }
-    Some(parts)
-}
-
-fn plan_mesh(
-    mesh: &GltfMesh,
-    binding: &MeshBinding,
-    rig: &Rig,
-    converter: &mut Converter,
-    parts: &mut Vec<PartPlan>,
-) -> Option<()> {
-    for (index, primitive) in mesh.primitives.iter().enumerate() {
-        let influences = binding.influences.get(index);
-        let material = converter.material(primitive.material.as_ref())?;
-        let skin = binding.skin.and_then(|skin| Some((skin, rig.skins.get(skin)?)));
-        let mut bound = match skin {
-            None => (ModelPart::Joint(binding.joint), converter.mesh(&primitive.mesh, Binding::Rigid, None)),
-            Some((index, skin)) => {
-                let slot_count = skin.joints.len();
-                let node = skin.joints.iter().position(|joint| *joint == binding.joint);
-                let unweighted = node.and_then(|slot| u16::try_from(slot).ok()).unwrap_or(0);
-                let how = Binding::Skin { skin: index, slot_count, unweighted };
-                (ModelPart::Skin(index), converter.mesh(&primitive.mesh, how, influences))
-            }
-        };
-        if matches!(bound.1, Err(SkinMeshError::Missing(_))) {
-            bound = (ModelPart::Joint(binding.joint), converter.mesh(&primitive.mesh, Binding::Rigid, None));
-        }
-        let (part, converted) = bound;
-        let plan = match parts.iter().position(|plan| plan.part == part) {
-            Some(at) => &mut parts[at],
-            None => {
-                parts.push(PartPlan { part, boxes: vec![], meshes: vec![], errors: vec![] });
-                parts.last_mut()?
-            }
-        };
-        match converted {
-            Err(error) => plan.errors.push((primitive.name.clone(), error)),
-            Ok(converted) => plan.add(primitive.name.clone(), converted, material, &binding.morph_weights),
-        }
-    }
-    Some(())
-}
-
-impl PartPlan {
-    fn add(&mut self, name: String, converted: ConvertedMesh, material: Handle<SkinnedMaterial>, rest: &[f32]) {
-        self.boxes.resize(converted.boxes.len().max(self.boxes.len()), SlotBox::EMPTY);
-        for (sum, slot_box) in self.boxes.iter_mut().zip(&*converted.boxes) {
-            sum.unite(*slot_box);
-        }
-        let rest = rest.iter().copied().chain(core::iter::repeat(0.0));
-        let morphs = converted.morphs.iter().cloned().zip(rest).collect();
-        self.meshes.push(MeshPlan { name, mesh: converted.mesh, material, morphs });
-    }
-
-    fn spawn(self, character: Entity, morphs: &mut Morphs, commands: &mut Commands) {
-        if self.meshes.is_empty() {
-            return;
-        }
-        let part = commands
-            .spawn((
-                self.part,
-                PartOf(character),
-                ChildOf(character),
-                Palette::new(self.boxes.len()),
-                PoseBounds::new(self.boxes.into()),
-                Transform::default(),
-                Visibility::default(),
-            ))
-            .id();
-        for plan in self.meshes {
-            let mut mesh = commands.spawn((
-                Name::new(plan.name),
-                Mesh3d(plan.mesh),
-                MeshMaterial3d(plan.material),
-                SkinnedBy(part),
-                ChildOf(part),
-            ));
-            if !plan.morphs.is_empty() {
-                mesh.insert(morphs.join(plan.morphs));
-            }
-        }
     }
 }
 

@@ -16,7 +16,8 @@ use bevy::{
 };
 
 use super::{
-    arena::{Capacity, InstanceRecord, JointMatrix, SkinArena},
+    arena::{Capacity, SkinArena},
+    layout::{InstanceRecord, JointMatrix},
     material::SkinnedMaterial,
 };
 

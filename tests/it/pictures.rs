@@ -3,6 +3,7 @@
 use core::f32::consts::PI;
 use std::time::{Duration, Instant};
 
+use avian3d::prelude::{Collider, PhysicsPlugins, RigidBody};
 use bevy::{
     core_pipeline::prepass::{DeferredPrepass, DepthPrepass, MotionVectorPrepass, NormalPrepass},
     light::NotShadowCaster,
@@ -18,11 +19,16 @@ use bevy::{
     shader::ShaderRef,
 };
 use surefoot::{
+    SurefootPlugins,
     anim::pose::Pose,
+    character::{Character, intent::MoveIntent},
     rig::Rig,
     skinning::{
         JointMatrix, Palette, PoseBounds, SkinArena, SkinExtension, SkinPose, SkinnedBy, SkinnedMaterial, SkinnedModel,
-        SkinningPlugin, Tint, mesh::slot_boxes, model::ModelStatus, skin_mesh,
+        SkinningPlugin, Tint,
+        mesh::slot_boxes,
+        model::{ModelParts, ModelStatus},
+        skin_mesh,
     },
 };
 
@@ -330,7 +336,7 @@ impl Material for ShowMotion {
 
 /// A studio whose pictures are motion vectors.
 fn motion_studio() -> Studio {
-    let mut studio = Studio::with_plugins(SkinningPlugin::default(), MaterialPlugin::<ShowMotion>::default());
+    let mut studio = Studio::with((SkinningPlugin::default(), MaterialPlugin::<ShowMotion>::default()));
     let shader = Shader::from_wgsl(SHOW_MOTION_WGSL, "show_motion.wgsl");
     studio.world().resource_mut::<Assets<Shader>>().insert(&SHOW_MOTION, shader).expect("its id is free");
     let screen = (
@@ -483,6 +489,45 @@ fn a_crowd_of_mannequins_costs_the_draws_of_one() {
     many.look(Vec3::new(0.0, 3.0, 4.5), Vec3::new(0.0, 0.8, -2.0));
     many.picture().save("mannequin_crowd");
     assert_eq!(many.draw_sets(), one.draw_sets());
+}
+
+/// Steps until the model of `character` is built.
+fn wait_for_model(studio: &mut Studio, character: Entity) {
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !studio.world().get::<ModelStatus>(character).is_some_and(ModelStatus::is_ready) {
+        assert!(Instant::now() < deadline, "mannequin.character.ron is not drawn after a minute");
+        studio.step();
+    }
+}
+
+#[test]
+fn a_character_gets_its_skin_and_walks_in_it() {
+    let mut studio = Studio::with((PhysicsPlugins::default(), SurefootPlugins));
+    floor(&mut studio);
+    let collider = Collider::cuboid(40.0, 1.0, 40.0);
+    studio.world().spawn((RigidBody::Static, collider, Transform::from_xyz(0.0, -0.5, 0.0)));
+    let file = studio.world().resource::<AssetServer>().load("mannequin.character.ron");
+    let place = Transform::from_xyz(1.0, 0.0, 0.0).with_rotation(Quat::from_rotation_y(1.2));
+    let character = studio.world().spawn((Character(file), place)).id();
+    wait_for_model(&mut studio, character);
+    studio.look(Vec3::new(0.0, 1.3, 3.2), Vec3::new(0.0, 0.9, 0.0));
+    let standing = studio.picture();
+    standing.save("character_stands");
+    studio.world().entity_mut(character).insert(MoveIntent { velocity: Vec3::NEG_X * 1.4, ..default() });
+    let part = studio.world().get::<ModelParts>(character).expect("it is drawn").iter().next().expect("in one part");
+    let (mut fitted, mut refits) = (None, 0);
+    for _ in 0..60 {
+        studio.step();
+        let bounds = studio.world().get::<PoseBounds>(part).expect("parts have bounds").fitted();
+        refits += usize::from(fitted.replace(bounds).is_some_and(|before| before != bounds));
+    }
+    let walking = studio.picture();
+    walking.save("character_walks");
+    let travelled = studio.world().get::<Transform>(character).expect("it lives").translation;
+    assert!(travelled.x < 0.3, "in one second it went to {travelled}");
+    let changed = standing.difference(&walking, 20).beyond;
+    assert!(changed > 1_500, "{changed} pixels changed");
+    assert!(refits <= 6, "the culling box changed {refits} times in 60 frames");
 }
 
 #[test]

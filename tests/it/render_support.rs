@@ -124,10 +124,11 @@ pub(crate) struct Studio {
 
 impl Studio {
     pub(crate) fn new(skinning: SkinningPlugin) -> Self {
-        Self::with_plugins(skinning, ())
+        Self::with((RigPlugin, skinning))
     }
 
-    pub(crate) fn with_plugins<M>(skinning: SkinningPlugin, more: impl Plugins<M>) -> Self {
+    /// A studio with other plugins than those of rigs and skinning; they must bring skinning along.
+    pub(crate) fn with<M>(more: impl Plugins<M>) -> Self {
         adapter();
         let mut app = App::new();
         let mut plugins = DefaultPlugins
@@ -149,7 +150,7 @@ impl Studio {
         } else {
             plugins.disable::<LogPlugin>()
         };
-        app.add_plugins((plugins, RigPlugin, skinning)).add_plugins(more);
+        app.add_plugins(plugins).add_plugins(more);
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 60.0)))
             .insert_resource(DirectionalLightShadowMap { size: 512 })
             .init_resource::<Frames>();
