@@ -34,6 +34,17 @@ fn standing_on_a_slope_of_15_degrees() {
 }
 
 #[test]
+fn walking_up_a_ramp_of_15_degrees() {
+    assert_on_the_ground(&play(&World::ramp(15.0), &Tape::walk()), "walking up 15°");
+}
+
+#[test]
+fn walking_up_and_down_stairs() {
+    assert_on_the_ground(&play(&World::stairs_up(12, 0.17, 0.29), &Tape::walk()), "stairs up");
+    assert_on_the_ground(&play(&World::stairs_down(12, 0.17, 0.29), &Tape::walk()), "stairs down");
+}
+
+#[test]
 fn standing_on_stairs() {
     let mut stage = Stage::on(&World::stairs_up(12, 0.17, 0.29));
     let walker = stage.spawn_walker().expect("the mannequin loads");

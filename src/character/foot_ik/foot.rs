@@ -171,6 +171,8 @@ pub struct PlacedFoot {
     pub sole: [Vec3; 3],
     /// The plane that it is placed on.
     pub plane: Plane,
+    /// Where the ball will land, world, and in how many seconds, while the foot is in the air.
+    pub landing: Option<(Vec3, f32)>,
 }
 
 impl FootState {
@@ -181,6 +183,12 @@ impl FootState {
             Mode::Planted(plant) => Some(plant),
             _ => None,
         }
+    }
+
+    /// Whether it holds the ground by its ball, so that its heel may lift.
+    #[must_use]
+    pub fn stands_on_ball(&self) -> bool {
+        self.plant().is_some_and(|plant| plant.pivot == Pivot::Ball)
     }
 
     /// Forgets the ground; the next frame starts from the clip.
@@ -444,7 +452,27 @@ impl FootState {
         self.height = line(share) + self.bump.value.max(0.0);
         let normal = self.align * Vec3::Y;
         let plane = Plane { point: ball.with_y(self.height), normal };
-        self.place(foot, None, plane, around)
+        let mut placed = self.place(foot, None, plane, around);
+        placed.landing = Some((landing, time_left));
+        self.clear(&mut placed, around);
+        placed
+    }
+
+    /// Lifts a flying foot out of ground that nobody foresaw.
+    fn clear<P: Probe, G: GroundFrames>(&mut self, placed: &mut PlacedFoot, around: &Surroundings<'_, P, G>) {
+        let mut deepest = 0.0f32;
+        for point in placed.sole {
+            if let Some(hit) = around.reach.at(around.probe, point) {
+                deepest = deepest.max(hit.point.y - point.y);
+            }
+        }
+        if deepest > TOUCH {
+            let lift = Vec3::Y * (deepest - TOUCH);
+            placed.ankle += lift;
+            placed.sole = placed.sole.map(|point| point + lift);
+            self.placed_ball += lift;
+            self.bump.value += lift.y;
+        }
     }
 
     /// Turns the foot to the plane and sets its lowest point as high over it as the clip has it over its floor.
@@ -476,9 +504,12 @@ impl FootState {
             .fold(f32::MIN, f32::max);
         let ankle = place.with_y(needed + lowest + self.lift.value.max(0.0));
         self.placed_ball = ankle + ball;
-        PlacedFoot { ankle, turn, sole: [heel, ball, tip].map(|offset| ankle + offset), plane }
+        PlacedFoot { ankle, turn, sole: [heel, ball, tip].map(|offset| ankle + offset), plane, landing: None }
     }
 }
+
+/// Depth in metres to which a flying foot may graze the ground.
+const TOUCH: f32 = 0.002;
 
 /// Takes toe-up pitch out of a foot, as far as `share` says.
 fn flattening(foot: &AnimatedFoot, share: f32) -> Quat {

@@ -4,10 +4,13 @@
 
 use bevy::prelude::*;
 
-use crate::anim::{
-    ik::two_bone::{self, Extension, Limb},
-    pose::{Pose, rotation_of},
-    skeleton::{JointIndex, Skeleton},
+use crate::{
+    anim::{
+        ik::two_bone::{self, Extension, Limb},
+        pose::{Pose, rotation_of},
+        skeleton::{JointIndex, Skeleton},
+    },
+    math::rotation::from_scaled_axis,
 };
 
 /// The joints of one leg.
@@ -73,6 +76,38 @@ pub fn place_leg(
     }
 }
 
+/// Turn about the ball, in model space, by which the heel lifts so that the ankle comes within `reach` of the hip.
+///
+/// The identity where it is within reach already; at most [`MOST_LIFT`].
+#[must_use]
+pub fn heel_lift(hip: Vec3, ankle: Vec3, ball: Vec3, reach: f32) -> Quat {
+    let forward = (ball - ankle).with_y(0.0);
+    let side = Vec3::Y.cross(forward).normalize_or_zero();
+    if side == Vec3::ZERO || hip.distance(ankle) <= reach {
+        return Quat::IDENTITY;
+    }
+    let turn = |angle: f32| from_scaled_axis(side * angle);
+    let (mut low, mut high) = (0.0f32, MOST_LIFT);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let lifted = ball + turn(middle) * (ankle - ball);
+        if hip.distance(lifted) > reach { low = middle } else { high = middle }
+    }
+    turn(high)
+}
+
+/// Most that a heel lifts to reach, radians: toes bend by about 50° (clinical range 70–80°).
+const MOST_LIFT: f32 = 0.9;
+/// Halvings of the search for a heel's lift: 0.9 rad / 2^12 is 0.01°.
+const HALVINGS: usize = 12;
+
+/// Gives `joint` this rotation in model space, whatever its parent has become.
+pub fn keep_rotation(pose: &mut Pose, skeleton: &Skeleton, joint: JointIndex, rotation_model: Quat) {
+    let parent = pose.parent_rotation(skeleton, joint);
+    set_rotation(pose, joint, parent, rotation_model);
+    pose.update_model_below(skeleton, joint);
+}
+
 fn set_rotation(pose: &mut Pose, joint: JointIndex, parent_rotation: Quat, rotation_model: Quat) {
     let mut local = pose.local(joint);
     local.rotation = (parent_rotation.inverse() * rotation_model).normalize();
@@ -90,5 +125,19 @@ fn upper_frame(skeleton: &Skeleton, pose: &Pose, joint: JointIndex, turned: Join
             rotation * between
         }
         _ => rotation,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heel_lifts_just_as_far_as_the_hip_needs() {
+        let (hip, ankle, ball) = (Vec3::Y, Vec3::new(0.0, 0.07, 0.3), Vec3::new(0.0, 0.0, 0.17));
+        let lift = heel_lift(hip, ankle, ball, 0.95);
+        let reach = (ball + lift * (ankle - ball)).distance(hip);
+        assert!((reach - 0.95).abs() < 1e-3, "reaches to {reach} m");
+        assert_eq!(heel_lift(hip, ankle, ball, 1.2), Quat::IDENTITY);
     }
 }

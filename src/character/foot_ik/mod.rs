@@ -14,7 +14,7 @@ use bevy::prelude::*;
 
 pub use foot::{AnimatedFoot, FootState, GroundFrames, Mode, Pivot, PlacedFoot, Plant, Release, Surroundings};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
-pub use legs::{LegJoints, LegResult, place_leg, shift_joint};
+pub use legs::{LegJoints, LegResult, heel_lift, keep_rotation, place_leg, shift_joint};
 pub use pelvis::{LegReach, PelvisState, drop_for};
 pub use probe::{Frames, GroundFilter, PhysicsProbe};
 
@@ -30,6 +30,11 @@ use crate::{
 
 /// Leg length in metres that the lengths of [`FootIkConfig`] are meant for.
 const TUNED_LEG: f32 = 0.875;
+
+/// Reach that the pelvis leaves to a lifted heel, as a fraction of the leg.
+const HEEL_SLACK: f32 = 0.04;
+/// Seconds before a landing from which the pelvis prepares for it.
+const FORESIGHT: f32 = 0.3;
 
 /// Foot placement of one character: what it carries from frame to frame, and what it did.
 #[derive(Component, Clone, Debug, Default)]
@@ -146,9 +151,11 @@ impl FootIk {
         });
         self.placed = placed.map(Some);
         let ankles = [0, 1].map(|side| animated[side].clip_ankle.lerp(placed[side].ankle, self.weight));
-        self.sink_pelvis(body, pose, &animated, ankles, config);
+        self.sink_pelvis(body, pose, &animated, &placed, ankles, config);
         for side in 0..2 {
-            self.legs[side] = body.solve_leg(pose, side, ankles[side], placed[side].turn, self.weight, config);
+            let placed = PlacedFoot { ankle: ankles[side], ..placed[side] };
+            let on_ball = self.feet[side].stands_on_ball();
+            self.legs[side] = body.solve_leg(pose, side, &placed, on_ball, self.weight, config);
         }
     }
 
@@ -157,6 +164,7 @@ impl FootIk {
         body: &Body<'_>,
         pose: &mut CharacterPose,
         animated: &[AnimatedFoot; 2],
+        placed: &[PlacedFoot; 2],
         ankles: [Vec3; 2],
         config: &FootIkConfig,
     ) {
@@ -164,14 +172,15 @@ impl FootIk {
         let legs = [0, 1].map(|side| {
             let leg = &body.asset.legs[side];
             let hip = Vec3::from(world_from_model * pose.pose.position(leg.upper));
-            let length = leg.length();
-            LegReach {
+            let now = LegReach {
                 hip,
                 ankle: ankles[side],
-                length,
+                length: leg.length(),
                 animated: hip.distance(animated[side].clip_ankle),
+                slack: if self.feet[side].stands_on_ball() { HEEL_SLACK * leg.length() } else { 0.0 },
                 weight: animated[side].contact,
-            }
+            };
+            placed[side].landing.map_or(now, |(landing, seconds)| body.landed(now, landing, seconds, &animated[side]))
         });
         let offset = self.pelvis.advance(&legs, body.motion.stepped, self.weight, config, body.dt);
         if offset.abs() > 1e-6 {
@@ -239,34 +248,59 @@ impl Body<'_> {
         move |point: Vec3| way * ((point - hip).dot(way) * excess)
     }
 
+    /// A swinging leg as it will be when it lands; it counts the more the sooner that is.
+    fn landed(&self, now: LegReach, landing: Vec3, seconds: f32, foot: &AnimatedFoot) -> LegReach {
+        let ankle = landing + (foot.clip_ankle - foot.ball).with_y(0.0) + Vec3::Y * self.ankle_height();
+        let ahead = self.motion.velocity.with_y(0.0) * seconds;
+        let near = (1.0 - seconds / FORESIGHT).clamp(0.0, 1.0);
+        LegReach { hip: now.hip + ahead, ankle, slack: 0.0, weight: near * near * (3.0 - 2.0 * near), ..now }
+    }
+
+    /// Height of the ankle over a sole that stands flat, metres: a twelfth of the leg (0.07 of 0.875 m).
+    fn ankle_height(&self) -> f32 {
+        0.08 * self.asset.leg_length
+    }
+
     fn solve_leg(
         &self,
         pose: &mut CharacterPose,
         side: usize,
-        ankle_world: Vec3,
-        turn_world: Quat,
+        placed: &PlacedFoot,
+        on_ball: bool,
         weight: f32,
         config: &FootIkConfig,
     ) -> LegResult {
+        let (ankle_world, turn_world) = (placed.ankle, placed.turn);
         let leg = &self.asset.legs[side];
         let model_from_world = self.root.to_isometry().inverse();
         let turn = Quat::IDENTITY.slerp(turn_world, weight);
         let turn_model = model_from_world.rotation * turn * model_from_world.rotation.inverse();
         let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
-        let rotation = turn_model * pose.pose.rotation(leg.foot);
         let animated = pose.pose.position(leg.upper).distance(pose.pose.position(leg.foot));
-        let length = leg.length();
         // A clip's own stretch is not resisted: level ground shows the clip as it is.
-        let soft = config.extension.0.max((animated / length).min(config.extension.1 - 0.005));
-        place_leg(
+        let soft = config.extension.0.max((animated / leg.length()).min(config.extension.1 - 0.005));
+        let ankle = Vec3::from(model_from_world * ankle_world);
+        let ball = Vec3::from(model_from_world * placed.sole[1]);
+        let lift = if on_ball {
+            let hip = pose.pose.position(leg.upper);
+            Quat::IDENTITY.slerp(heel_lift(hip, ankle, ball, soft * leg.length()), weight)
+        } else {
+            Quat::IDENTITY
+        };
+        let toes = leg.toes.map(|toes| (toes, turn_model * pose.pose.rotation(toes)));
+        let result = place_leg(
             &mut pose.pose,
             &self.asset.skeleton,
             joints,
-            Vec3::from(model_from_world * ankle_world),
-            rotation,
+            ball + lift * (ankle - ball),
+            lift * turn_model * pose.pose.rotation(leg.foot),
             Vec3::NEG_Z,
             Extension { soft, hard: config.extension.1 },
-        )
+        );
+        if let Some((toes, rotation)) = toes.filter(|_| on_ball) {
+            keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
+        }
+        result
     }
 }
 

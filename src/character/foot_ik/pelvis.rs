@@ -6,6 +6,11 @@ use bevy::prelude::*;
 
 use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
 
+/// Half-life in seconds of the root's hops in the body. The controller has rounded them off already.
+const HOP_HALF_LIFE: f32 = 0.05;
+/// How much slower the pelvis rises than it sinks: on a slope it stays where each stride needs it.
+const RISE_SLOWER: f32 = 3.0;
+
 /// One leg as the pelvis sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct LegReach {
@@ -17,6 +22,8 @@ pub struct LegReach {
     pub length: f32,
     /// Distance from hip to ankle in the clip, metres.
     pub animated: f32,
+    /// Metres that lifting the heel can give.
+    pub slack: f32,
     /// How much this leg counts: 1 planted, 0 in the air.
     pub weight: f32,
 }
@@ -24,7 +31,9 @@ pub struct LegReach {
 /// The pelvis' vertical offset from the clip, carried from frame to frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PelvisState {
-    offset: Spring<f32>,
+    drop: Spring<f32>,
+    /// What is left of the root's hops, metres.
+    hops: Spring<f32>,
     /// `MotionState::stepped` of the last frame.
     stepped: Option<f32>,
 }
@@ -33,7 +42,7 @@ impl PelvisState {
     /// Metres by which the pelvis stands above (below: negative) the clip's.
     #[must_use]
     pub fn offset(&self) -> f32 {
-        self.offset.value
+        self.drop.value + self.hops.value
     }
 
     /// Forgets everything; the pelvis starts from the clip.
@@ -45,10 +54,12 @@ impl PelvisState {
     pub fn advance(&mut self, legs: &[LegReach], stepped: f32, weight: f32, config: &FootIkConfig, dt: f32) -> f32 {
         let hop = stepped - self.stepped.unwrap_or(stepped);
         self.stepped = Some(stepped);
-        self.offset.value = (self.offset.value - hop).clamp(-2.0 * config.pelvis_drop, config.pelvis_drop);
+        self.hops.value = (self.hops.value - hop).clamp(-config.pelvis_drop, config.pelvis_drop);
+        self.hops.step(0.0, HOP_HALF_LIFE, dt);
         let wanted = drop_for(legs, config) * weight;
-        self.offset.step(wanted, config.pelvis_half_life, dt);
-        self.offset.value
+        let half_life = if wanted < self.drop.value { 1.0 } else { RISE_SLOWER } * config.pelvis_half_life;
+        self.drop.step(wanted, half_life, dt);
+        self.offset()
     }
 }
 
@@ -64,7 +75,7 @@ pub fn drop_for(legs: &[LegReach], config: &FootIkConfig) -> f32 {
         let away = leg.ankle - leg.hip;
         let across = Vec2::new(away.x, away.z).length_squared();
         let down = (longest * longest - across).max(0.0).sqrt();
-        let drop = away.y + down;
+        let drop = away.y + down + leg.slack;
         if drop < 0.0 {
             lowest = lowest.min(drop * leg.weight.clamp(0.0, 1.0));
         }
@@ -77,7 +88,7 @@ mod tests {
     use super::*;
 
     fn leg(ankle: f32) -> LegReach {
-        LegReach { hip: Vec3::Y * 0.95, ankle: Vec3::Y * ankle, length: 0.875, animated: 0.86, weight: 1.0 }
+        LegReach { hip: Vec3::Y * 0.95, ankle: Vec3::Y * ankle, length: 0.875, animated: 0.86, slack: 0.0, weight: 1.0 }
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub struct ClipFacts {
 pub struct Facts<'a> {
     /// Horizontal speed over the ground, m/s.
     pub speed: f32,
+    /// Rise over run of the way it goes.
+    pub grade: f32,
     /// Whether it stands on ground.
     pub grounded: bool,
     /// Seconds in the air.
@@ -41,6 +43,9 @@ pub struct Taken {
     /// How it looks.
     pub blend: TransitionBlend,
 }
+
+/// Grade from which on steps get no quicker: stairs are about 0.6.
+const STEEPEST: f32 = 0.7;
 
 #[derive(Clone, Debug)]
 struct State {
@@ -65,6 +70,7 @@ pub struct Machine {
     transitions: Vec<Transition>,
     rate_range: (f32, f32),
     stride_range: (f32, f32),
+    climb_cadence: f32,
     current: usize,
     fades: Fades,
     time_in_state: f32,
@@ -108,6 +114,7 @@ impl Machine {
             transitions,
             rate_range: config.rate_range,
             stride_range: config.stride_range,
+            climb_cadence: config.climb_cadence,
             current: 0,
             time_in_state: 0.0,
             phase: 0.0,
@@ -200,7 +207,7 @@ impl Machine {
             self.enter(taken);
         }
         self.fades.advance(dt);
-        self.pace(facts.speed, dt);
+        self.pace(facts, dt);
         taken
     }
 
@@ -243,7 +250,7 @@ impl Machine {
         self.fades.send_to(taken.to, if taken.blend == TransitionBlend::Inertialize { 0.0 } else { taken.fade });
     }
 
-    fn pace(&mut self, speed: f32, dt: f32) {
+    fn pace(&mut self, facts: &Facts<'_>, dt: f32) {
         let (mut weights, mut duration, mut stride) = (0.0, 0.0, 0.0);
         for index in 0..self.len() {
             let weight = self.weight(index);
@@ -261,7 +268,9 @@ impl Machine {
         }
         // The weighted means over the gaits that are heard.
         let natural = stride / duration;
-        let playback = (speed / natural).clamp(self.rate_range.0, self.rate_range.1);
+        let speed = facts.speed;
+        let cadence = 1.0 + self.climb_cadence * facts.grade.abs().min(STEEPEST);
+        let playback = (speed / natural).clamp(self.rate_range.0, self.rate_range.1) * cadence;
         self.rate = playback * weights / duration;
         self.stride_scale = (speed / (natural * playback)).clamp(self.stride_range.0, self.stride_range.1);
         self.phase = (self.phase + self.rate * dt).rem_euclid(1.0);

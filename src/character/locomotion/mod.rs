@@ -16,6 +16,7 @@ pub use machine::{ClipFacts, Facts, Machine, Taken};
 use super::{animator::CharacterPose, bind::CharacterAssets, motion::MotionState, schedule::PoseSystems};
 use crate::{
     anim::pose::Pose,
+    math::spring::damp,
     rig::{
         character::{CharacterAsset, CharacterClip},
         tuning::locomotion::TransitionBlend,
@@ -34,6 +35,8 @@ pub struct Locomotion {
     clips: Vec<usize>,
     landings: cues::Landings,
     triggers: Vec<String>,
+    grade: f32,
+    last_root: Option<Vec3>,
 }
 
 impl Locomotion {
@@ -62,6 +65,8 @@ impl Locomotion {
             clips,
             landings,
             triggers: Vec::new(),
+            grade: 0.0,
+            last_root: None,
         }
     }
 
@@ -90,6 +95,15 @@ impl Locomotion {
 }
 
 impl Locomotion {
+    /// Rise over run of the root's way, smoothed.
+    fn follow_grade(&mut self, root: Vec3, dt: f32) {
+        let last = self.last_root.replace(root).unwrap_or(root);
+        let way = root - last;
+        let run = Vec2::new(way.x, way.z).length();
+        let grade = if run > 0.1 * dt { (way.y / run).clamp(-1.0, 1.0) } else { 0.0 };
+        self.grade = damp(self.grade, grade, GRADE_HALF_LIFE, dt);
+    }
+
     /// Phase of a state's clip by its gait: 0 is left contact.
     fn gait_phase(&self, asset: &CharacterAsset, state: usize) -> f32 {
         let phase = self.machine.clip_phase(state);
@@ -101,6 +115,9 @@ impl Locomotion {
         }
     }
 }
+
+/// Half-life in seconds over which the grade of the way is found.
+const GRADE_HALF_LIFE: f32 = 0.15;
 
 /// Runs the locomotion state machines.
 pub struct LocomotionPlugin;
@@ -114,24 +131,20 @@ impl Plugin for LocomotionPlugin {
 fn locomote(
     time: Res<Time>,
     assets: CharacterAssets,
-    mut characters: Query<(
-        &super::Character,
-        &MotionState,
-        Option<&super::intent::MoveIntent>,
-        &mut Locomotion,
-        &mut CharacterPose,
-    )>,
+    mut characters: Query<(&super::Character, &Transform, &MotionState, &mut Locomotion, &mut CharacterPose)>,
 ) {
     let dt = time.delta_secs();
-    characters.par_iter_mut().for_each(|(character, motion, intent, mut locomotion, mut pose)| {
+    characters.par_iter_mut().for_each(|(character, root, motion, mut locomotion, mut pose)| {
         let Some(asset) = assets.get(character) else { return };
         let locomotion = &mut *locomotion;
+        locomotion.follow_grade(root.translation, dt);
         let facts = Facts {
+            grade: locomotion.grade,
             speed: Vec2::new(motion.ground_velocity.x, motion.ground_velocity.z).length(),
             grounded: motion.ground.is_some(),
             air_time: motion.air_time,
             fall_speed: -motion.velocity.y,
-            crouched: intent.is_some_and(|intent| intent.crouch),
+            crouched: motion.crouched,
             triggers: &locomotion.triggers,
         };
         locomotion.taken = locomotion.machine.advance(&facts, dt);

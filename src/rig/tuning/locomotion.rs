@@ -17,6 +17,10 @@ pub struct LocomotionConfig {
     pub rate_range: (f32, f32),
     /// Shortest and longest stride, as fractions of the clip's own. Default (0.3, 1.6).
     pub stride_range: (f32, f32),
+    /// How much quicker, and shorter, steps become per unit of grade (rise over run), uphill and down. Default 0.9.
+    ///
+    /// 0: strides as on the level, which on stairs take three treads at once. Large: feet patter.
+    pub climb_cadence: f32,
 }
 
 /// A state: what plays while the character is in it.
@@ -131,6 +135,7 @@ impl Default for LocomotionConfig {
             ],
             rate_range: (0.75, 1.25),
             stride_range: (0.3, 1.6),
+            climb_cadence: 0.9,
         }
     }
 }
