@@ -12,8 +12,11 @@ use crate::{
         pose::Pose,
         skeleton::{JointTransform, Skeleton},
     },
-    rig::character::CharacterAsset,
+    rig::{character::CharacterAsset, tuning::locomotion::TransitionBlend},
 };
+
+/// Half-life of an inertialized change, as a fraction of its fade: 99 % are gone when the fade is over.
+const HALF_LIFE_OF_FADE: f32 = 0.2;
 
 /// A character's pose: written by the animator, changed by foot IK, read by skinning.
 #[derive(Component, Clone, Debug, Default)]
@@ -22,7 +25,6 @@ pub struct CharacterPose {
     pub pose: Pose,
     scratch: Vec<JointTransform>,
     inertializer: Inertializer,
-    inertialize: Option<f32>,
 }
 
 impl CharacterPose {
@@ -33,13 +35,7 @@ impl CharacterPose {
             pose: Pose::rest(skeleton),
             scratch: skeleton.rest().to_vec(),
             inertializer: Inertializer::new(skeleton.len()),
-            inertialize: None,
         }
-    }
-
-    /// The next pose keeps going from the present one; half of the difference is gone after a fifth of `seconds`.
-    pub fn inertialize_within(&mut self, seconds: f32) {
-        self.inertialize = Some(seconds * 0.2);
     }
 
     fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, dt: f32) {
@@ -63,8 +59,8 @@ impl CharacterPose {
         if !blend.finish() {
             return;
         }
-        if let Some(half_life) = self.inertialize.take() {
-            self.inertializer.begin(self.pose.locals(), half_life);
+        if let Some(taken) = locomotion.taken.filter(|taken| taken.blend == TransitionBlend::Inertialize) {
+            self.inertializer.begin(self.pose.locals(), taken.fade * HALF_LIFE_OF_FADE);
         }
         self.inertializer.apply(self.pose.locals_mut(), dt);
         self.inertializer.record(self.pose.locals(), dt);

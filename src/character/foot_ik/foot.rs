@@ -6,13 +6,14 @@
 
 use bevy::prelude::*;
 
-use super::ground::{Footprint, Plane, Probe, Reach, SoleShape, find_room};
-use crate::{
-    math::{
-        rotation::{direction_or, from_scaled_axis, heading, shortest_arc, to_scaled_axis, wrap_angle},
-        spring::{Spring, damp_quat, remaining},
-    },
-    rig::tuning::foot_ik::FootIkConfig,
+use super::{
+    ground::{Footprint, Plane, Probe, footprint},
+    surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
+    turns::{flattening, limited_align},
+};
+use crate::math::{
+    rotation::{from_scaled_axis, heading, wrap_angle},
+    spring::{Spring, damp_quat, remaining},
 };
 
 /// Which point of the sole a planted foot turns about.
@@ -38,6 +39,8 @@ pub enum Release {
     Turned,
     /// It stood off its place while the character stands.
     Restep,
+    /// It came down on an edge.
+    NoRoom,
     /// The ground under it is gone.
     LostGround,
     /// The character was put elsewhere, or left the ground.
@@ -71,6 +74,8 @@ pub enum Mode {
     Stepping {
         /// Seconds since it lifted.
         elapsed: f32,
+        /// Seconds that it takes.
+        seconds: f32,
         /// Where the ball lifted off, world.
         from: Vec3,
     },
@@ -84,95 +89,31 @@ pub struct FootState {
     /// Why it let go last.
     pub released: Release,
     /// Horizontal metres from the clip's ball to the placed ball, while not planted.
-    offset: Spring<Vec3>,
+    pub(super) offset: Spring<Vec3>,
     /// Turn about +Y from the clip's foot to the placed foot, radians.
-    yaw_offset: f32,
+    pub(super) yaw_offset: f32,
     /// World height of the landing, smoothed.
-    landing_height: Spring<f32>,
+    pub(super) landing_height: Spring<f32>,
     /// Height of what lies in the way over the line from take-off to landing, metres.
-    bump: Spring<f32>,
+    pub(super) bump: Spring<f32>,
     /// Lift of a correcting step, metres.
-    lift: Spring<f32>,
+    pub(super) lift: Spring<f32>,
     /// Take-off: world place of the ball, and ground there.
-    takeoff: Vec3,
+    pub(super) takeoff: Vec3,
     /// Turn from upright to the ground's normal, smoothed.
-    align: Quat,
+    pub(super) align: Quat,
     /// How far a heel strike is flattened, 0..1, since the heel would land over an edge.
-    flatten: Spring<f32>,
+    pub(super) flatten: Spring<f32>,
     /// Where the landing was shifted to, metres along the foot.
-    shift: f32,
+    pub(super) shift: f32,
+    /// The landing, once it is too near to be changed, world.
+    pub(super) settled: Option<Vec3>,
     /// Height of the plane under the foot, world.
-    height: f32,
+    pub(super) height: f32,
     /// Where the ball was placed last, world.
-    placed_ball: Vec3,
+    pub(super) placed_ball: Vec3,
     /// Whether it has run before.
     awake: bool,
-}
-
-/// The sole as the clip has it, in world space on the character's own floor plane.
-#[derive(Clone, Copy, Debug)]
-pub struct AnimatedFoot {
-    /// Ankle joint, its stride warped to the ground speed.
-    pub ankle: Vec3,
-    /// Ankle joint as the clip has it.
-    pub clip_ankle: Vec3,
-    /// Under the heel.
-    pub heel: Vec3,
-    /// Under the ball.
-    pub ball: Vec3,
-    /// Under the toes' tip.
-    pub tip: Vec3,
-    /// The floor plane's height.
-    pub floor: f32,
-    /// Direction that the foot points to.
-    pub forward: Vec3,
-    /// How surely the clip has this foot on the ground, 0..1.
-    pub contact: f32,
-    /// Seconds until it lands, while it swings.
-    pub time_to_contact: f32,
-    /// Where its ball lands if the body keeps its course, world; the height doesn't matter.
-    pub landing: Vec3,
-    /// Direction that it points to when it lands.
-    pub landing_forward: Vec3,
-}
-
-/// Where the ground entity is.
-pub trait GroundFrames {
-    /// Position and rotation of a ground entity; `None` once it is gone.
-    fn frame(&self, entity: Entity) -> Option<Isometry3d>;
-}
-
-/// What surrounds one foot in one frame.
-pub struct Surroundings<'a, P, G> {
-    /// Casts into the ground.
-    pub probe: &'a P,
-    /// Frames of what moves.
-    pub frames: &'a G,
-    /// Heights to look between.
-    pub reach: Reach,
-    /// The sole's shape.
-    pub sole: SoleShape,
-    /// Tuning, already scaled to the leg.
-    pub config: &'a FootIkConfig,
-    /// Seconds since the last frame.
-    pub dt: f32,
-    /// Whether the character stands, so that the foot may correct its place.
-    pub may_restep: bool,
-}
-
-/// Where the foot shall be.
-#[derive(Clone, Copy, Debug)]
-pub struct PlacedFoot {
-    /// Ankle joint, world.
-    pub ankle: Vec3,
-    /// Turn of the foot joint's animated world rotation: `new = turn * animated`.
-    pub turn: Quat,
-    /// Heel, ball and tip of the placed sole, world.
-    pub sole: [Vec3; 3],
-    /// The plane that it is placed on.
-    pub plane: Plane,
-    /// Where the ball will land, world, and in how many seconds, while the foot is in the air.
-    pub landing: Option<(Vec3, f32)>,
 }
 
 impl FootState {
@@ -209,7 +150,7 @@ impl FootState {
         match self.mode {
             Mode::Planted(plant) => self.hold(&plant, foot, around),
             Mode::Swing => self.swing(foot, around),
-            Mode::Stepping { elapsed, from } => self.step(elapsed, from, foot, around),
+            Mode::Stepping { elapsed, seconds, from } => self.step((elapsed, seconds), from, foot, around),
         }
     }
 
@@ -246,11 +187,11 @@ impl FootState {
                 let turned = self.yaw_offset.abs();
                 let limit = around.config.unplant_radius;
                 if error > limit {
-                    self.begin_step(Release::TooFar, foot);
+                    self.begin_step(Release::TooFar, foot, around.config.step_time);
                 } else if turned > around.config.unplant_yaw {
-                    self.begin_step(Release::Turned, foot);
+                    self.begin_step(Release::Turned, foot, around.config.step_time);
                 } else if around.may_restep && (error > around.config.restep_distance || turned > 0.35) {
-                    self.begin_step(Release::Restep, foot);
+                    self.begin_step(Release::Restep, foot, around.config.step_time);
                 }
             }
             Mode::Swing => {
@@ -258,17 +199,20 @@ impl FootState {
                     if flat(self.offset.value).length() > around.config.unplant_radius * 0.4
                         && self.released != Release::ContactEnded
                     {
-                        self.begin_step(Release::TooFar, foot);
+                        self.begin_step(Release::TooFar, foot, around.config.step_time);
+                    } else if self.is_stuck(foot, around) {
+                        // It came down where there is no room after all: it goes on to where there is.
+                        self.begin_step(Release::NoRoom, foot, HURRY);
                     } else {
                         self.lock(foot, around);
                     }
                 }
             }
-            Mode::Stepping { elapsed, .. } => {
+            Mode::Stepping { elapsed, seconds, .. } => {
                 if foot.contact < 0.5 {
                     self.takeoff = self.placed_ball.with_y(self.height);
                     self.mode = Mode::Swing;
-                } else if elapsed >= around.config.step_time {
+                } else if elapsed >= seconds {
                     self.lock(foot, around);
                 }
             }
@@ -283,11 +227,18 @@ impl FootState {
         self.landing_height = Spring::at(self.height);
         self.bump = Spring::default();
         self.shift = 0.0;
+        self.settled = None;
     }
 
-    fn begin_step(&mut self, why: Release, foot: &AnimatedFoot) {
+    fn begin_step(&mut self, why: Release, foot: &AnimatedFoot, seconds: f32) {
         self.release(why, foot);
-        self.mode = Mode::Stepping { elapsed: 0.0, from: self.takeoff };
+        self.mode = Mode::Stepping { elapsed: 0.0, seconds: seconds.max(HURRY), from: self.takeoff };
+    }
+
+    /// Whether the sole, laid down here, would stick in an edge.
+    fn is_stuck<P: Probe, G: GroundFrames>(&self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) -> bool {
+        footprint(around.probe, around.reach, self.placed_ball, foot.forward, around.sole)
+            .is_some_and(|print| print.stuck > STUCK)
     }
 
     /// Takes hold of the ground where the foot is now.
@@ -306,18 +257,19 @@ impl FootState {
         around: &Surroundings<'_, P, G>,
     ) {
         // The ball's ground carries the foot even while the heel touches first: one plane per stance.
-        let Some(hit) = around.reach.at(around.probe, self.placed_ball) else {
+        let found = footprint(around.probe, around.reach, self.placed_ball, foot.forward, around.sole);
+        let Some(Footprint { ball: hit, normal, .. }) = found else {
             return;
         };
         let frame = around.frames.frame(hit.entity).unwrap_or(Isometry3d::IDENTITY);
-        let plane = Plane { point: hit.point, normal: hit.normal };
+        let plane = Plane { point: hit.point, normal };
         let into = frame.inverse();
         let facing = from_scaled_axis(Vec3::Y * self.yaw_offset) * foot.forward;
         self.mode = Mode::Planted(Plant {
             pivot,
             ground: hit.entity,
             anchor_ground: into * point.with_y(plane.height(point)),
-            normal_ground: into.rotation * hit.normal,
+            normal_ground: into.rotation * normal,
             yaw_ground: heading(into.rotation * facing),
         });
     }
@@ -353,130 +305,8 @@ impl FootState {
         placed
     }
 
-    fn swing<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) -> PlacedFoot {
-        let (dt, config) = (around.dt, around.config);
-        self.yaw_offset *= remaining(config.release_half_life, dt);
-        let time_left = foot.time_to_contact.clamp(0.0, 0.6);
-        let landing = self.foresee(foot.landing, foot.landing_forward, time_left, around);
-        let half_life = config.release_half_life.min((time_left * 0.3).max(0.01));
-        self.offset.step(foot.landing_forward * self.shift, half_life, dt);
-        self.lift.step(0.0, 0.05, dt);
-        let ball = foot.ball + self.offset.value;
-        let share = progress(self.takeoff, landing, ball, foot.time_to_contact);
-        self.fly(ball, landing, share, time_left, foot, around)
-    }
-
-    fn step<P: Probe, G: GroundFrames>(
-        &mut self,
-        elapsed: f32,
-        from: Vec3,
-        foot: &AnimatedFoot,
-        around: &Surroundings<'_, P, G>,
-    ) -> PlacedFoot {
-        let (dt, config) = (around.dt, around.config);
-        let elapsed = elapsed + dt;
-        let share = (elapsed / config.step_time.max(0.05)).clamp(0.0, 1.0);
-        let time_left = (config.step_time - elapsed).max(0.0);
-        self.mode = Mode::Stepping { elapsed, from };
-        self.yaw_offset *= remaining(config.step_time * 0.25, dt);
-        let landing = self.foresee(foot.ball, foot.forward, time_left, around);
-        let smooth = share * share * (3.0 - 2.0 * share);
-        let ball = from.lerp(landing, smooth).with_y(foot.ball.y);
-        self.offset = Spring::at(flat(ball - foot.ball));
-        let arc = 4.0 * share * (1.0 - share);
-        self.lift = Spring::at(config.step_height * arc * arc);
-        self.fly(ball, landing, smooth, time_left, foot, around)
-    }
-
-    /// Smooths where the foot will come down: place and height, moved until the whole sole has room.
-    fn foresee<P: Probe, G: GroundFrames>(
-        &mut self,
-        landing: Vec3,
-        forward: Vec3,
-        time_left: f32,
-        around: &Surroundings<'_, P, G>,
-    ) -> Vec3 {
-        let half_life = (time_left * 0.25).clamp(0.01, 0.06);
-        let Some((shift, print)) = self.room(landing, forward, around) else {
-            self.flatten.step(0.0, 0.05, around.dt);
-            return landing.with_y(self.landing_height.value);
-        };
-        self.shift = shift;
-        self.landing_height.step(print.ball.point.y, half_life, around.dt);
-        self.flatten.step(if print.heel_gap > 0.025 { 1.0 } else { 0.0 }, 0.05, around.dt);
-        let target = limited_align(print.ball.normal, forward, around.config);
-        self.align = damp_quat(self.align, target, around.config.align_half_life, around.dt);
-        (landing + forward * shift).with_y(self.landing_height.value)
-    }
-
-    fn room<P: Probe, G: GroundFrames>(
-        &self,
-        ball: Vec3,
-        forward: Vec3,
-        around: &Surroundings<'_, P, G>,
-    ) -> Option<(f32, Footprint)> {
-        let most = around.config.landing_shift;
-        find_room(around.probe, around.reach, ball, forward, around.sole, self.shift, most)
-    }
-
-    /// Carries the foot over the ground between take-off and landing.
-    fn fly<P: Probe, G: GroundFrames>(
-        &mut self,
-        ball: Vec3,
-        landing: Vec3,
-        share: f32,
-        time_left: f32,
-        foot: &AnimatedFoot,
-        around: &Surroundings<'_, P, G>,
-    ) -> PlacedFoot {
-        let line = |at: f32| self.takeoff.y + (landing.y - self.takeoff.y) * at;
-        let ahead = direction_or(flat(landing - self.takeoff), foot.forward);
-        let mut in_the_way = 0.0f32;
-        for step in 0..4 {
-            let along = step as f32 / 4.0;
-            let place = ball.lerp(landing, along) + ahead * around.sole.tip;
-            if let Some(hit) = around.reach.at(around.probe, place) {
-                let at = share + (1.0 - share) * along;
-                in_the_way = in_the_way.max(hit.point.y - line(at));
-            }
-        }
-        for place in [ball, ball - foot.forward * around.sole.heel] {
-            if let Some(hit) = around.reach.at(around.probe, place) {
-                in_the_way = in_the_way.max(hit.point.y - line(share));
-            }
-        }
-        let bump = if in_the_way > 0.02 { in_the_way + around.config.clearance } else { 0.0 };
-        // What lies under the landing itself is no obstacle.
-        let bump = bump * (1.0 - share * share).max(0.0).sqrt();
-        self.bump.step(bump, (time_left * 0.3).clamp(0.012, 0.05), around.dt);
-        self.height = line(share) + self.bump.value.max(0.0);
-        let normal = self.align * Vec3::Y;
-        let plane = Plane { point: ball.with_y(self.height), normal };
-        let mut placed = self.place(foot, None, plane, around);
-        placed.landing = Some((landing, time_left));
-        self.clear(&mut placed, around);
-        placed
-    }
-
-    /// Lifts a flying foot out of ground that nobody foresaw.
-    fn clear<P: Probe, G: GroundFrames>(&mut self, placed: &mut PlacedFoot, around: &Surroundings<'_, P, G>) {
-        let mut deepest = 0.0f32;
-        for point in placed.sole {
-            if let Some(hit) = around.reach.at(around.probe, point) {
-                deepest = deepest.max(hit.point.y - point.y);
-            }
-        }
-        if deepest > TOUCH {
-            let lift = Vec3::Y * (deepest - TOUCH);
-            placed.ankle += lift;
-            placed.sole = placed.sole.map(|point| point + lift);
-            self.placed_ball += lift;
-            self.bump.value += lift.y;
-        }
-    }
-
     /// Turns the foot to the plane and sets its lowest point as high over it as the clip has it over its floor.
-    fn place<P: Probe, G: GroundFrames>(
+    pub(super) fn place<P: Probe, G: GroundFrames>(
         &mut self,
         foot: &AnimatedFoot,
         held: Option<(Pivot, Vec3)>,
@@ -508,42 +338,15 @@ impl FootState {
     }
 }
 
-/// Depth in metres to which a flying foot may graze the ground.
-const TOUCH: f32 = 0.002;
-
-/// Takes toe-up pitch out of a foot, as far as `share` says.
-fn flattening(foot: &AnimatedFoot, share: f32) -> Quat {
-    let sole = foot.ball - foot.heel;
-    if share <= 0.0 || sole.y <= 0.0 {
-        return Quat::IDENTITY;
-    }
-    from_scaled_axis(to_scaled_axis(shortest_arc(sole, flat(sole))) * share)
-}
-
-/// Turn from upright to the ground's normal, within the foot's limits of pitch and roll.
-fn limited_align(normal: Vec3, forward: Vec3, config: &FootIkConfig) -> Quat {
-    let forward = direction_or(flat(forward), Vec3::NEG_Z);
-    let side = forward.cross(Vec3::Y);
-    let turn = to_scaled_axis(shortest_arc(Vec3::Y, normal));
-    let pitch = turn.dot(side).clamp(-config.pitch_limit, config.pitch_limit);
-    let roll = turn.dot(forward).clamp(-config.roll_limit, config.roll_limit);
-    from_scaled_axis(side * pitch + forward * roll)
-}
-
-/// How far between take-off and landing the ball is, 0..1.
-fn progress(from: Vec3, to: Vec3, at: Vec3, time_left: f32) -> f32 {
-    let way = flat(to - from);
-    let length = way.length_squared();
-    if length < 0.01 {
-        return (1.0 - time_left / 0.4).clamp(0.0, 1.0);
-    }
-    (flat(at - from).dot(way) / length).clamp(0.0, 1.0)
-}
+/// Seconds of the shortest step.
+const HURRY: f32 = 0.12;
+/// Metres in the ground from which a sole doesn't stay where it came down.
+const STUCK: f32 = 0.012;
 
 fn anchor_world(plant: &Plant, frames: &impl GroundFrames) -> Option<Vec3> {
     frames.frame(plant.ground).map(|frame| Vec3::from(frame * plant.anchor_ground))
 }
 
-fn flat(vector: Vec3) -> Vec3 {
+pub(super) fn flat(vector: Vec3) -> Vec3 {
     vector.with_y(0.0)
 }

@@ -3,20 +3,24 @@
 //! Reads the animated pose, the playing clips' cues, the root and the ground; turns hips, knees and ankles of the pose and
 //! lowers the pelvis. Feet are placed in world space, legs solved in model space: metres, +Y up, the character faces -Z.
 
+mod flight;
 mod foot;
 mod ground;
 mod legs;
 mod pelvis;
 mod probe;
+mod surroundings;
+mod turns;
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
 
-pub use foot::{AnimatedFoot, FootState, GroundFrames, Mode, Pivot, PlacedFoot, Plant, Release, Surroundings};
+pub use foot::{FootState, Mode, Pivot, Plant, Release};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
 pub use legs::{LegJoints, LegResult, heel_lift, keep_rotation, place_leg, shift_joint};
 pub use pelvis::{LegReach, PelvisState, drop_for};
 pub use probe::{Frames, GroundFilter, PhysicsProbe};
+pub use surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings};
 
 use super::{
     Character, animator::CharacterPose, bind::CharacterAssets, locomotion::Locomotion, motion::MotionState,
@@ -280,20 +284,23 @@ impl Body<'_> {
         // A clip's own stretch is not resisted: level ground shows the clip as it is.
         let soft = config.extension.0.max((animated / leg.length()).min(config.extension.1 - 0.005));
         let ankle = Vec3::from(model_from_world * ankle_world);
-        let ball = Vec3::from(model_from_world * placed.sole[1]);
-        let lift = if on_ball {
+        // The heel lifts about the toes' joint: that is where a foot bends.
+        let rest = leg.toes.unwrap_or(leg.foot);
+        let ball = ankle + turn_model * (pose.pose.position(rest) - pose.pose.position(leg.foot));
+        let lift = if on_ball && leg.toes.is_some() {
             let hip = pose.pose.position(leg.upper);
             Quat::IDENTITY.slerp(heel_lift(hip, ankle, ball, soft * leg.length()), weight)
         } else {
             Quat::IDENTITY
         };
         let toes = leg.toes.map(|toes| (toes, turn_model * pose.pose.rotation(toes)));
+        let rotation = lift * turn_model * pose.pose.rotation(leg.foot);
         let result = place_leg(
             &mut pose.pose,
             &self.asset.skeleton,
             joints,
             ball + lift * (ankle - ball),
-            lift * turn_model * pose.pose.rotation(leg.foot),
+            rotation,
             Vec3::NEG_Z,
             Extension { soft, hard: config.extension.1 },
         );

@@ -4,10 +4,15 @@
 
 use bevy::prelude::*;
 
-use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
+use crate::{
+    math::spring::{Spring, damp},
+    rig::tuning::foot_ik::FootIkConfig,
+};
 
 /// Half-life in seconds of the root's hops in the body. The controller has rounded them off already.
-const HOP_HALF_LIFE: f32 = 0.05;
+const HOP_HALF_LIFE: f32 = 0.1;
+/// Half-life in seconds over which the mean speed of hops is found.
+const HOP_RATE_HALF_LIFE: f32 = 0.15;
 /// How much slower the pelvis rises than it sinks: on a slope it stays where each stride needs it.
 const RISE_SLOWER: f32 = 3.0;
 
@@ -34,6 +39,8 @@ pub struct PelvisState {
     drop: Spring<f32>,
     /// What is left of the root's hops, metres.
     hops: Spring<f32>,
+    /// Mean speed of the hops, m/s.
+    hop_rate: f32,
     /// `MotionState::stepped` of the last frame.
     stepped: Option<f32>,
 }
@@ -55,7 +62,9 @@ impl PelvisState {
         let hop = stepped - self.stepped.unwrap_or(stepped);
         self.stepped = Some(stepped);
         self.hops.value = (self.hops.value - hop).clamp(-config.pelvis_drop, config.pelvis_drop);
-        self.hops.step(0.0, HOP_HALF_LIFE, dt);
+        // On stairs hop follows hop: aiming ahead by the mean rate keeps the body from trailing.
+        self.hop_rate = damp(self.hop_rate, hop / dt.max(1e-4), HOP_RATE_HALF_LIFE, dt);
+        self.hops.step(self.hop_rate * HOP_HALF_LIFE / core::f32::consts::LN_2, HOP_HALF_LIFE, dt);
         let wanted = drop_for(legs, config) * weight;
         let half_life = if wanted < self.drop.value { 1.0 } else { RISE_SLOWER } * config.pelvis_half_life;
         self.drop.step(wanted, half_life, dt);

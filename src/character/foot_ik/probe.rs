@@ -4,8 +4,8 @@ use avian3d::prelude::*;
 use bevy::{ecs::system::SystemParam, prelude::*};
 
 use super::{
-    foot::GroundFrames,
     ground::{GroundHit, Probe},
+    surroundings::GroundFrames,
 };
 
 /// What counts as ground for a character's feet: everything but itself, unless told otherwise.

@@ -13,14 +13,11 @@ pub use cues::FootCue;
 pub use fade::Fades;
 pub use machine::{ClipFacts, Facts, Machine, Taken};
 
-use super::{animator::CharacterPose, bind::CharacterAssets, motion::MotionState, schedule::PoseSystems};
+use super::{bind::CharacterAssets, motion::MotionState, schedule::PoseSystems};
 use crate::{
     anim::pose::Pose,
     math::spring::damp,
-    rig::{
-        character::{CharacterAsset, CharacterClip},
-        tuning::locomotion::TransitionBlend,
-    },
+    rig::character::{CharacterAsset, CharacterClip},
 };
 
 /// What plays: the state machine and what follows from it.
@@ -131,10 +128,10 @@ impl Plugin for LocomotionPlugin {
 fn locomote(
     time: Res<Time>,
     assets: CharacterAssets,
-    mut characters: Query<(&super::Character, &Transform, &MotionState, &mut Locomotion, &mut CharacterPose)>,
+    mut characters: Query<(&super::Character, &Transform, &MotionState, &mut Locomotion)>,
 ) {
     let dt = time.delta_secs();
-    characters.par_iter_mut().for_each(|(character, root, motion, mut locomotion, mut pose)| {
+    characters.par_iter_mut().for_each(|(character, root, motion, mut locomotion)| {
         let Some(asset) = assets.get(character) else { return };
         let locomotion = &mut *locomotion;
         locomotion.follow_grade(root.translation, dt);
@@ -151,11 +148,6 @@ fn locomote(
         locomotion.triggers.clear();
         for foot in 0..2 {
             locomotion.cues[foot] = cues::cue(locomotion, asset, foot);
-        }
-        if let Some(taken) = locomotion.taken
-            && taken.blend == TransitionBlend::Inertialize
-        {
-            pose.inertialize_within(taken.fade);
         }
     });
 }
