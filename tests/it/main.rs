@@ -22,3 +22,5 @@ mod shaders;
 mod support;
 #[cfg(feature = "game")]
 mod terrain;
+#[cfg(feature = "render")]
+mod tube;

@@ -7,14 +7,12 @@ use std::{
 };
 
 use bevy::{
-    app::{Plugins, PluginsState},
+    app::{PluginGroupBuilder, Plugins, PluginsState},
     asset::RenderAssetUsages,
     camera::RenderTarget,
     core_pipeline::{core_3d::Opaque3d, tonemapping::Tonemapping},
     light::{CascadeShadowConfigBuilder, DirectionalLightShadowMap},
     log::LogPlugin,
-    math::{Affine3A, ops},
-    mesh::{Indices, PrimitiveTopology, VertexAttributeValues},
     pbr::Shadow,
     prelude::*,
     render::{
@@ -23,6 +21,7 @@ use bevy::{
         pipelined_rendering::PipelinedRenderingPlugin,
         render_phase::{BinnedRenderPhase, ViewBinnedRenderPhases},
         render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages},
+        settings::{RenderCreation, WgpuSettings},
     },
     time::TimeUpdateStrategy,
     window::ExitCondition,
@@ -94,11 +93,12 @@ impl Picture {
     /// Writes a PNG for people to look at.
     pub(crate) fn save(&self, name: &str) {
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pictures");
-        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::create_dir_all(&folder).expect("the target folder can be written");
         let size = Extent3d { width: WIDTH, height: HEIGHT, depth_or_array_layers: 1 };
         let format = TextureFormat::Rgba8UnormSrgb;
         let image = Image::new(size, TextureDimension::D2, self.0.clone(), format, RenderAssetUsages::MAIN_WORLD);
-        image.try_into_dynamic().unwrap().to_rgb8().save(folder.join(name).with_extension("png")).unwrap();
+        let image = image.try_into_dynamic().expect("a format that PNG knows").to_rgb8();
+        image.save(folder.join(name).with_extension("png")).expect("the target folder can be written");
     }
 }
 
@@ -109,11 +109,38 @@ pub(crate) struct DrawSets {
     pub(crate) shadow: usize,
 }
 
+/// Why a lock is always there.
+const POISONED: &str = "whoever panics under a lock has failed the test";
+
 #[derive(Resource, Clone, Default)]
 struct Frames(Arc<Mutex<Vec<Vec<u8>>>>);
 
 #[derive(Resource, Clone, Default)]
 struct Report(Arc<Mutex<(DrawSets, SkinUpload)>>);
+
+/// The engine without a window, drawing by one of `backends`, or not at all.
+pub(crate) fn headless_plugins(backends: Option<wgpu::Backends>) -> PluginGroupBuilder {
+    let render_creation = RenderCreation::Automatic(Box::new(WgpuSettings { backends, ..default() }));
+    let mut plugins = DefaultPlugins
+        .build()
+        .disable::<PipelinedRenderingPlugin>()
+        .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
+        .set(RenderPlugin { synchronous_pipeline_compilation: true, render_creation, ..default() })
+        .set(AssetPlugin { file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(), ..default() });
+    #[cfg(feature = "game")]
+    {
+        plugins = plugins.disable::<bevy::winit::WinitPlugin>().disable::<GilrsPlugin>();
+    }
+    // One log for all tests of the process.
+    static LOG: Once = Once::new();
+    let mut first = false;
+    LOG.call_once(|| first = true);
+    if first {
+        plugins.set(LogPlugin { filter: "warn,bevy_render=error,wgpu=error,naga=error".into(), ..default() })
+    } else {
+        plugins.disable::<LogPlugin>()
+    }
+}
 
 /// A headless app with a camera, a sun and its shadow.
 pub(crate) struct Studio {
@@ -131,26 +158,7 @@ impl Studio {
     pub(crate) fn with<M>(more: impl Plugins<M>) -> Self {
         adapter();
         let mut app = App::new();
-        let mut plugins = DefaultPlugins
-            .build()
-            .disable::<PipelinedRenderingPlugin>()
-            .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
-            .set(RenderPlugin { synchronous_pipeline_compilation: true, ..default() })
-            .set(AssetPlugin { file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(), ..default() });
-        #[cfg(feature = "game")]
-        {
-            plugins = plugins.disable::<bevy::winit::WinitPlugin>().disable::<bevy::gilrs::GilrsPlugin>();
-        }
-        // One log for all tests of the process.
-        static LOG: Once = Once::new();
-        let mut first = false;
-        LOG.call_once(|| first = true);
-        plugins = if first {
-            plugins.set(LogPlugin { filter: "warn,bevy_render=error,wgpu=error,naga=error".into(), ..default() })
-        } else {
-            plugins.disable::<LogPlugin>()
-        };
-        app.add_plugins(plugins).add_plugins(more);
+        app.add_plugins(headless_plugins(WgpuSettings::default().backends)).add_plugins(more);
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 60.0)))
             .insert_resource(DirectionalLightShadowMap { size: 512 })
             .init_resource::<Frames>();
@@ -167,7 +175,9 @@ impl Studio {
         app.update();
         app.update();
         app.world_mut().spawn(Readback::texture(target)).observe(
-            |complete: On<ReadbackComplete>, frames: Res<Frames>| frames.0.lock().unwrap().push(complete.data.clone()),
+            |complete: On<ReadbackComplete>, frames: Res<Frames>| {
+                frames.0.lock().expect(POISONED).push(complete.data.clone());
+            },
         );
         Self { app, camera, updates: 0 }
     }
@@ -197,7 +207,7 @@ impl Studio {
     pub(crate) fn frame(&mut self, number: usize) -> Picture {
         for _ in 0..20 {
             let frames = self.app.world().resource::<Frames>().clone();
-            if let Some(frame) = frames.0.lock().unwrap().get(number) {
+            if let Some(frame) = frames.0.lock().expect(POISONED).get(number) {
                 return Picture(frame.clone());
             }
             self.step();
@@ -214,11 +224,11 @@ impl Studio {
     }
 
     pub(crate) fn draw_sets(&self) -> DrawSets {
-        self.app.world().resource::<Report>().0.lock().unwrap().0
+        self.app.world().resource::<Report>().0.lock().expect(POISONED).0
     }
 
     pub(crate) fn last_upload(&self) -> SkinUpload {
-        self.app.world().resource::<Report>().0.lock().unwrap().1
+        self.app.world().resource::<Report>().0.lock().expect(POISONED).1
     }
 }
 
@@ -254,64 +264,5 @@ fn count(
     let most = |sets: &mut dyn Iterator<Item = usize>| sets.max().unwrap_or(0);
     let sets =
         DrawSets { opaque: most(&mut opaque.0.values().map(sets)), shadow: most(&mut shadow.0.values().map(sets)) };
-    *report.0.lock().unwrap() = (sets, *upload);
-}
-
-/// A tube along +Y, 2 m long, whose joints are evenly spaced; the engine's own joint attributes, up to four per vertex.
-pub(crate) fn tube(rings: usize, sides: usize, joint_count: usize) -> Mesh {
-    let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
-    let (mut positions, mut normals, mut uvs, mut slots, mut weights) = (vec![], vec![], vec![], vec![], vec![]);
-    for ring in 0..=rings {
-        let along = ring as f32 / rings as f32;
-        let at = along * (joint_count - 1) as f32;
-        let low = (at.floor() as usize).min(joint_count - 2);
-        let part = at - low as f32;
-        let first = low.saturating_sub(1);
-        let last = (low + 2).min(joint_count - 1);
-        let shares = [0.2 * (1.0 - part), 0.8 * (1.0 - part) + 0.1, 0.8 * part + 0.1, 0.2 * part];
-        let total: f32 = shares.iter().sum();
-        for side in 0..=sides {
-            let angle = side as f32 / sides as f32 * core::f32::consts::TAU;
-            let out = Vec3::new(ops::cos(angle), 0.1, ops::sin(angle)).normalize();
-            let radius = 0.25 * (1.0 - 0.6 * along);
-            positions.push([out.x * radius, along * 2.0, out.z * radius]);
-            normals.push(out.to_array());
-            uvs.push([side as f32 / sides as f32, along]);
-            slots.push([first, low, low + 1, last].map(|slot| slot as u16));
-            weights.push(shares.map(|share| share / total));
-        }
-    }
-    let mut indices = vec![];
-    for ring in 0..rings {
-        for side in 0..sides {
-            let i = (ring * (sides + 1) + side) as u32;
-            let above = i + sides as u32 + 1;
-            indices.extend([i, above, i + 1, i + 1, above, above + 1]);
-        }
-    }
-    mesh.insert_attribute(Mesh::ATTRIBUTE_POSITION, positions);
-    mesh.insert_attribute(Mesh::ATTRIBUTE_NORMAL, normals);
-    mesh.insert_attribute(Mesh::ATTRIBUTE_UV_0, uvs);
-    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(slots));
-    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
-    mesh.insert_indices(Indices::U32(indices));
-    mesh
-}
-
-/// A palette that bends, twists and slightly swells a [`tube`]; `time` in seconds.
-pub(crate) fn tube_palette(joint_count: usize, time: f32, phase: f32) -> Vec<Affine3A> {
-    let step = 2.0 / (joint_count - 1) as f32;
-    let mut model_from_joint = Affine3A::IDENTITY;
-    (0..joint_count)
-        .map(|joint| {
-            let bend =
-                2.2 / joint_count as f32 * ops::sin(time * 2.0 + phase + joint as f32 * 2.8 / joint_count as f32);
-            let twist = 1.2 / joint_count as f32 * ops::cos(time + phase);
-            let swell = Vec3::new(1.0 + 0.2 / joint_count as f32 * ops::sin(phase + joint as f32), 1.0, 1.0);
-            let turn = Quat::from_euler(EulerRot::XYZ, bend * ops::cos(phase), twist, bend * ops::sin(phase));
-            let place = if joint == 0 { Vec3::ZERO } else { Vec3::Y * step };
-            model_from_joint = model_from_joint * Affine3A::from_scale_rotation_translation(swell, turn, place);
-            model_from_joint * Affine3A::from_translation(Vec3::Y * (-step * joint as f32))
-        })
-        .collect()
+    *report.0.lock().expect(POISONED) = (sets, *upload);
 }
