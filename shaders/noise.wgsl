@@ -1,11 +1,12 @@
 // Cheap patterns over the plan, in metres.
 #define_import_path surefoot::noise
 
-fn hash(cell: vec2<i32>) -> f32 {
-    var h = bitcast<u32>(cell.x) * 0x9E3779B1u ^ bitcast<u32>(cell.y) * 0x85EBCA77u;
-    h = (h ^ (h >> 15u)) * 0x2C1B3C6Du;
-    h = h ^ (h >> 12u);
-    return f32(h & 0xFFFFu) / 65535.0;
+// 0..1 for a whole-numbered cell; float arithmetic, which software rasterisers do faster than whole numbers.
+// Source: Dave Hoskins, "Hash without Sine" (shadertoy.com/view/4djSRW).
+fn hash(cell: vec2<f32>) -> f32 {
+    var p = fract(cell.xyx * 0.1031);
+    p += dot(p, p.yzx + 33.33);
+    return fract((p.x + p.y) * p.z);
 }
 
 // 0..1, smooth, one lump per unit.
@@ -13,9 +14,8 @@ fn value_noise(at: vec2<f32>) -> f32 {
     let low = floor(at);
     let part = at - low;
     let blend = part * part * (3.0 - 2.0 * part);
-    let cell = vec2<i32>(low);
-    let near = mix(hash(cell), hash(cell + vec2(1, 0)), blend.x);
-    let far = mix(hash(cell + vec2(0, 1)), hash(cell + vec2(1, 1)), blend.x);
+    let near = mix(hash(low), hash(low + vec2(1.0, 0.0)), blend.x);
+    let far = mix(hash(low + vec2(0.0, 1.0)), hash(low + vec2(1.0, 1.0)), blend.x);
     return mix(near, far, blend.y);
 }
 

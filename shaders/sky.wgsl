@@ -25,7 +25,7 @@ fn fragment(in: VertexOutput) -> FragmentOutput {
     // Thin clouds on a plane far above, fading into the haze.
     let plane = toward.xz / max(toward.y + 0.12, 0.05);
     let cloud = 0.62 * value_noise(plane * 1.1) + 0.38 * value_noise(plane * vec2(3.1, 2.6) + 7.0);
-    color = mix(color, vec3(0.95, 0.96, 0.97), 0.55 * smoothstep(0.5, 0.85, cloud) * smoothstep(0.02, 0.3, up));
+    color = mix(color, vec3(1.5), 0.55 * smoothstep(0.5, 0.85, cloud) * smoothstep(0.02, 0.3, up));
     let toward_sun = max(dot(toward, look.to_sun.xyz), 0.0);
     let halo = pow(toward_sun, 8.0) * 0.12 + pow(toward_sun, 160.0) * 0.5 + smoothstep(0.9994, 0.9997, toward_sun) * 4.0;
     color += look.sun.rgb * halo;

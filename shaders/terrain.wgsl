@@ -1,5 +1,5 @@
 // Paints the ground; mirrors `GroundLook` in src/terrain/material.rs.
-// Vertex colour: red path, green bare ground, blue shade under obstacles.
+// Vertex colour: red path, green bare ground, blue shade under obstacles, alpha broad patches.
 #import bevy_pbr::pbr_fragment::pbr_input_from_standard_material
 #import surefoot::noise::{grid_lines, hash, value_noise}
 
@@ -34,7 +34,7 @@ fn plaza_distance(at: vec2<f32>) -> f32 {
 
 fn paving(at: vec2<f32>, step: vec2<f32>, fine: f32) -> vec3<f32> {
     let slab = look.plaza.w;
-    let tone = 0.93 + 0.1 * hash(vec2<i32>(floor(at / slab))) + 0.05 * (fine - 0.5);
+    let tone = 0.93 + 0.1 * hash(floor(at / slab)) + 0.05 * (fine - 0.5);
     let joint = grid_lines(at, step, slab, 0.012);
     let field = grid_lines(at, step, slab * 5.0, 0.03);
     return look.paving.rgb * tone * (1.0 - 0.35 * joint) * (1.0 - 0.3 * field);
@@ -56,8 +56,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let step = max(fwidth(at), vec2(1e-4));
     // Detail fades before it would flicker.
     let near = clamp(1.4 - 2.2 * max(step.x, step.y), 0.0, 1.0);
-    let coarse = value_noise(at * 0.16) * 0.6 + value_noise(at * 0.7) * 0.4;
-    let fine = value_noise(at * vec2(13.0, 17.0)) * 0.3 + value_noise(at * 5.3) * 0.4 + value_noise(at * 1.9) * 0.3;
+    let coarse = in.color.a;
+    let fine = value_noise(at * vec2(9.1, 11.3)) * 0.45 + value_noise(at * 2.3) * 0.55;
     let ragged = (fine - 0.5) * near + (coarse - 0.5);
 
     var color = meadow(at, step, in.world_position.y, coarse, fine, near);
@@ -66,7 +66,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     color = mix(color, look.dirt.rgb * (0.85 + 0.3 * fine), dirt);
     let steep = 1.0 - normalize(in.world_normal).y;
     let rock = smoothstep(0.13, 0.2, steep + 0.06 * ragged);
-    color = mix(color, look.rock.rgb * (0.7 + 0.5 * mix(coarse, fine, near)), rock);
+    color = mix(color, look.rock.rgb * (0.6 + 0.4 * coarse + 0.3 * (fine - 0.5) * near), rock);
     let edge = plaza_distance(at);
     let inside = clamp(0.5 - edge / max(step.x, step.y), 0.0, 1.0);
     color = mix(color, paving(at, step, fine), inside);

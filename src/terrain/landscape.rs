@@ -34,7 +34,7 @@ const RIM: (f32, f32, f32) = (84.0, 128.0, 12.5);
 /// The hill on which the walk over the course begins: centre, radius and height in metres.
 const MOUND: (Vec2, f32, f32) = (Vec2::new(-10.0, 23.5), 4.2, 2.3);
 /// The hollow that the stepping stones cross: centre, radius and depth in metres.
-pub(super) const HOLLOW: (Vec2, f32, f32) = (Vec2::new(8.0, 21.5), 5.0, 0.5);
+pub(super) const HOLLOW: (Vec2, f32, f32) = (Vec2::new(8.0, 21.5), 5.0, 0.4);
 
 /// Paths from the plaza into the hills, as corner points in metres.
 const PATHS: [&[Vec2]; 4] = [
@@ -76,6 +76,7 @@ pub struct Landscape {
     hills: FastNoiseLite,
     banks: FastNoiseLite,
     bumps: FastNoiseLite,
+    patches: FastNoiseLite,
 }
 
 /// What covers the ground at a place.
@@ -104,6 +105,7 @@ impl Landscape {
             hills: fractal(seed, 74.0, 3),
             banks: fractal(seed.wrapping_add(1), 58.0, 2),
             bumps: fractal(seed.wrapping_add(2), 3.4, 2),
+            patches: fractal(seed.wrapping_add(3), 9.0, 3),
         }
     }
 
@@ -123,7 +125,9 @@ impl Landscape {
         }
         let path = path_weight(at);
         let hills = self.hills.get_noise_2d(x, z) * HILLS;
-        let bank = rise(self.banks.get_noise_2d(x, z), 0.18, 0.25) * BANK * (1.0 - rise(path, 0.0, 0.7));
+        let bank = rise(self.banks.get_noise_2d(x, z), 0.16, 0.3) * BANK * (1.0 - rise(path, 0.0, 0.7));
+        // The walk over the course begins on plain grass.
+        let bank = bank * rise(at.distance(MOUND.0), MOUND.1 * 2.0, MOUND.1 * 4.0);
         let bumps = self.bumps.get_noise_2d(x, z) * BUMPS * (1.0 - 0.7 * path);
         let rim = rise(at.abs().max_element(), RIM.0, RIM.1) * RIM.2;
         let hollow = 1.0 - rise(at.distance(HOLLOW.0), HOLLOW.1 * 0.35, HOLLOW.1);
@@ -139,6 +143,12 @@ impl Landscape {
         let at = Vec2::new(x, z);
         let bare = 1.0 - rise(at.distance(HOLLOW.0), HOLLOW.1 * 0.5, HOLLOW.1 * 1.05);
         Cover { path: path_weight(at), bare }
+    }
+
+    /// Broad patches of the meadow, 0..=1.
+    #[must_use]
+    pub fn patch(&self, x: f32, z: f32) -> f32 {
+        (0.5 + 0.6 * self.patches.get_noise_2d(x, z)).clamp(0.0, 1.0)
     }
 }
 

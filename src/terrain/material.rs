@@ -72,14 +72,14 @@ impl MaterialExtension for GroundLook {
 /// The look of built things: the mesh's colours with a little grain, darker where they see less sky.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Debug)]
 pub struct CourseLook {
-    /// How much the grain lightens and darkens, 0..=1. Default 0.1.
+    /// How much the grain lightens and darkens, 0..=1. Default 0.16.
     #[uniform(100)]
     pub grain: f32,
 }
 
 impl Default for CourseLook {
     fn default() -> Self {
-        Self { grain: 0.1 }
+        Self { grain: 0.16 }
     }
 }
 

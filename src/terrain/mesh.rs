@@ -1,8 +1,8 @@
 //! The ground's meshes: square chunks of a [`Heightfield`] in several levels of detail.
 //!
 //! World space. Fine chunks show exactly the collider's triangles. Skirts hang from every chunk's border, so that no sky shows
-//! between chunks of different levels. The vertex colour holds what [`super::material::GroundLook`] blends: red path, green bare ground,
-//! blue shade under obstacles.
+//! between chunks of different levels. The vertex colour holds what [`super::material::GroundLook`] blends: red path, green bare
+//! ground, blue shade under obstacles, alpha broad patches.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -35,6 +35,8 @@ pub struct Paint {
     pub cover: Cover,
     /// How much obstacles shade it from the sky, 0..=1.
     pub shade: f32,
+    /// Which patch of the meadow it belongs to, 0..=1.
+    pub patch: f32,
 }
 
 /// The chunks of `cells` × `cells` cells that tile `field` in quads of `stride` cells.
@@ -103,10 +105,10 @@ impl<'a> Build<'a> {
 
     fn vertex(&mut self, x: usize, z: usize, down: f32, paint: &impl Fn(f32, f32) -> Paint) {
         let position = self.field.vertex(x, z);
-        let Paint { cover, shade } = paint(position.x, position.z);
+        let Paint { cover, shade, patch } = paint(position.x, position.z);
         self.positions.push(position - Vec3::Y * down - self.origin);
         self.normals.push(self.field.smooth_normal(x, z));
-        self.colors.push([cover.path, cover.bare, shade, 1.0]);
+        self.colors.push([cover.path, cover.bare, shade, patch]);
     }
 
     /// Hangs a strip from the border, which runs -Z side, +X side, +Z side, -X side: clockwise seen from below.
@@ -137,7 +139,7 @@ mod tests {
     use super::*;
 
     fn plain(_: f32, _: f32) -> Paint {
-        Paint { cover: Cover { path: 0.0, bare: 0.0 }, shade: 0.0 }
+        Paint { cover: Cover { path: 0.0, bare: 0.0 }, shade: 0.0, patch: 0.0 }
     }
 
     fn triangles(mesh: &Mesh) -> Vec<[Vec3; 3]> {

@@ -35,7 +35,7 @@ impl Tint {
             Self::Concrete => Srgba::rgb_u8(0xC9, 0xC2, 0xB4),
             Self::DarkConcrete => Srgba::rgb_u8(0x93, 0x90, 0x8A),
             Self::Wood => Srgba::rgb_u8(0xC0, 0x98, 0x69),
-            Self::DarkWood => Srgba::rgb_u8(0x6E, 0x50, 0x38),
+            Self::DarkWood => Srgba::rgb_u8(0x8A, 0x6A, 0x4C),
             Self::Accent => Srgba::rgb_u8(0xF0, 0x72, 0x22),
             Self::Paint => Srgba::rgb_u8(0xEC, 0xE8, 0xDF),
             Self::Steel => Srgba::rgb_u8(0x3C, 0x44, 0x4D),

@@ -139,7 +139,7 @@ fn paint_ground(
     let base = StandardMaterial { perceptual_roughness: 0.95, reflectance: 0.15, ..default() };
     let material = materials.add(GroundMaterial { base, extension: default() });
     let shade = Shade::of(pieces, &field);
-    let paint = |x: f32, z: f32| Paint { cover: land.0.cover(x, z), shade: shade.at(x, z) };
+    let paint = |x: f32, z: f32| Paint { cover: land.0.cover(x, z), shade: shade.at(x, z), patch: land.0.patch(x, z) };
     for (stride, from, to) in LEVELS {
         for chunk in mesh::chunks(&field, CHUNK, stride) {
             let origin = mesh::centre(&field, chunk);

@@ -8,14 +8,17 @@ use core::f32::consts::FRAC_PI_4;
 use bevy::{
     camera::visibility::NoFrustumCulling,
     color::{LinearRgba, Srgba},
-    core_pipeline::tonemapping::Tonemapping,
+    core_pipeline::{prepass::DepthPrepass, tonemapping::Tonemapping},
     light::{
         CascadeShadowConfigBuilder, DirectionalLightShadowMap, EnvironmentMapLight, NotShadowCaster, NotShadowReceiver,
+        ShadowFilteringMethod,
     },
     math::Vec3,
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
+    render::renderer::RenderAdapterInfo,
 };
+use wgpu::DeviceType;
 
 use super::material::SkyMaterial;
 
@@ -36,12 +39,15 @@ pub fn sunlight() -> Vec3 {
     Vec3::new(0.62, -0.86, -0.55).normalize()
 }
 
+/// Tonemapping darkens what stands for light itself; this much brings the sky back to its colours.
+const GLOW: f32 = 1.45;
+
 fn horizon() -> LinearRgba {
-    Srgba::rgb_u8(0xD6, 0xE6, 0xEE).into()
+    LinearRgba::from(Srgba::rgb_u8(0xD2, 0xE4, 0xEE)) * GLOW
 }
 
 fn zenith() -> LinearRgba {
-    Srgba::rgb_u8(0x5A, 0xA6, 0xE8).into()
+    LinearRgba::from(Srgba::rgb_u8(0x55, 0xA2, 0xEA)) * GLOW
 }
 
 fn haze() -> DistanceFog {
@@ -104,8 +110,17 @@ fn spawn_sky(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut skies
     ));
 }
 
-/// Gives a new [`SkyView`] the sky's light: blue from above, warm from the ground.
-fn light_view(added: On<Add, SkyView>, mut commands: Commands, images: Option<ResMut<Assets<Image>>>) {
+/// Gives a new [`SkyView`] the sky's light: blue from above, warm from the ground. Where the processor draws, it also gets what
+/// spares it work: a depth prepass, so that hidden ground is not lit, and shadows of one sample.
+fn light_view(
+    added: On<Add, SkyView>,
+    mut commands: Commands,
+    images: Option<ResMut<Assets<Image>>>,
+    adapter: Option<Res<RenderAdapterInfo>>,
+) {
+    if adapter.is_some_and(|adapter| adapter.device_type == DeviceType::Cpu) {
+        commands.entity(added.entity).insert((DepthPrepass, ShadowFilteringMethod::Hardware2x2));
+    }
     let Some(mut images) = images else { return };
     let ground = LinearRgba::from(Srgba::rgb_u8(0x8C, 0x86, 0x68));
     let light = EnvironmentMapLight::hemispherical_gradient(

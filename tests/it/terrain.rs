@@ -24,7 +24,7 @@ pub(crate) fn app(add: impl FnOnce(&mut App)) -> App {
 }
 
 fn plain(_: f32, _: f32) -> Paint {
-    Paint { cover: Cover { path: 0.0, bare: 0.0 }, shade: 0.0 }
+    Paint { cover: Cover { path: 0.0, bare: 0.0 }, shade: 0.0, patch: 0.0 }
 }
 
 /// Height of the mesh's upward triangles at a place.

@@ -161,11 +161,11 @@ pub(super) fn stepping_stones(field: &Heightfield, pieces: &mut Vec<Piece>) {
         let top = dice.between(0.02, 0.12);
         let low = field.height(at.x, at.y).min(0.0) - 0.15;
         let height = top - low;
-        let size = Vec3::new(dice.between(0.42, 0.56), height, dice.between(0.42, 0.54));
+        let size = Vec3::new(dice.between(0.5, 0.68), height, dice.between(0.46, 0.6));
         let tint = if dice.roll() < 0.5 { Tint::Stone } else { Tint::DarkConcrete };
         let position = Vec3::new(at.x, low, at.y);
         pieces.push(
-            Piece::new("stepping stone", Shape::Block { size }, tint, position).turned(dice.between(-30.0, 30.0)),
+            Piece::new("stepping stone", Shape::Block { size }, tint, position).turned(dice.between(-40.0, 40.0)),
         );
     }
 }
