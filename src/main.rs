@@ -1,3 +1,7 @@
-//! The game binary.
+//! The game: `surefoot` plays, or films a walk where there is no display. `surefoot --help` explains all.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    surefoot::game::run()
+}

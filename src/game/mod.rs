@@ -1,1 +1,109 @@
-//! Layer 5: the game.
+//! Layer 5: the game. Joins input, level, camera, HUD and film to the layers below; one plugin per file.
+
+pub mod cli;
+mod debug;
+pub mod engine;
+pub mod film;
+mod hud;
+mod input;
+mod level;
+mod look;
+pub mod preflight;
+mod shell;
+mod telemetry;
+
+use std::{
+    panic::{self, AssertUnwindSafe},
+    path::Path,
+    process::ExitCode,
+};
+
+use bevy::prelude::*;
+use clap::Parser;
+
+use cli::{Cli, Command, Options};
+use preflight::{Missing, display, gpu};
+
+/// Exit code when the machine lacks something.
+const LACKS: u8 = 3;
+/// Exit code when the film went wrong.
+const FAILED: u8 = 1;
+/// Width and height of the window, pixels.
+const WINDOW_SIZE: UVec2 = UVec2::new(1280, 720);
+
+/// Reads the command line and does what it says.
+#[must_use]
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let films = cli.command == Some(Command::Film);
+    if !films && !display::exists() {
+        eprintln!("No display (neither DISPLAY nor WAYLAND_DISPLAY is set): filming a walk instead.");
+    }
+    match start(&cli.options, films || !display::exists()) {
+        Ok(code) => code,
+        Err(missing) => {
+            eprintln!("surefoot: {missing}");
+            ExitCode::from(LACKS)
+        }
+    }
+}
+
+fn start(options: &Options, films: bool) -> Result<ExitCode, Missing> {
+    gpu::check()?;
+    let assets = preflight::assets::find()?;
+    if films {
+        return Ok(match film::run(options, &assets) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("surefoot: {error}");
+                ExitCode::from(FAILED)
+            }
+        });
+    }
+    display::check()?;
+    let mut app = opened(|| windowed(options, &assets))?;
+    Ok(match app.run() {
+        AppExit::Success => ExitCode::SUCCESS,
+        AppExit::Error(code) => ExitCode::from(code.get()),
+    })
+}
+
+/// The game in a window.
+fn windowed(options: &Options, assets: &Path) -> App {
+    let shape = engine::WindowShape { size: options.size.unwrap_or(WINDOW_SIZE), fullscreen: options.fullscreen };
+    let mut app = engine::windowed(assets, shape);
+    app.insert_resource(level::Seed(options.seed)).add_plugins((
+        level::plugin,
+        input::plugin,
+        shell::plugin,
+        look::plugin,
+        hud::plugin,
+        debug::plugin,
+        telemetry::plugin,
+    ));
+    open_telemetry(&mut app, options);
+    app
+}
+
+/// Makes the telemetry file, if one is asked for. A file that can't be made is told and left out.
+fn open_telemetry(app: &mut App, options: &Options) {
+    let Some(file) = &options.telemetry else { return };
+    match telemetry::Telemetry::create(file) {
+        Ok(telemetry) => {
+            app.insert_resource(telemetry);
+        }
+        Err(error) => eprintln!("surefoot: no telemetry, {}: {error}", file.display()),
+    }
+}
+
+/// What `open` gives, or why the window library panicked, which is its way to say that it found no display or library.
+fn opened(open: impl FnOnce() -> App) -> Result<App, Missing> {
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let app = panic::catch_unwind(AssertUnwindSafe(open));
+    panic::set_hook(hook);
+    app.map_err(|reason| {
+        let text = reason.downcast_ref::<String>().map(String::as_str);
+        display::explain(text.or_else(|| reason.downcast_ref::<&str>().copied()).unwrap_or("unknown reason"))
+    })
+}

@@ -24,3 +24,8 @@ mod support;
 mod terrain;
 #[cfg(feature = "render")]
 mod tube;
+
+#[cfg(feature = "game")]
+mod cli;
+#[cfg(all(feature = "game", target_os = "linux"))]
+mod window;

@@ -1,0 +1,239 @@
+//! Films a walk over the course: PNG frames, one contact sheet, and the table of measures. Needs no display.
+//!
+//! The walk is stepped 60 times a second whatever the film's frame rate, so every film of one seed shows the same walk.
+
+pub mod frames;
+pub mod lettering;
+pub mod route;
+pub mod sheet;
+pub mod table;
+mod walk;
+
+use std::{
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use bevy::{
+    camera::RenderTarget,
+    prelude::*,
+    render::{
+        render_resource::TextureFormat,
+        view::screenshot::{Screenshot, ScreenshotCaptured},
+    },
+    time::TimeUpdateStrategy,
+};
+use image::RgbImage;
+use indicatif::{ProgressBar, ProgressStyle};
+use thiserror::Error;
+
+use super::{
+    cli::Options,
+    engine::{self, TICKS_PER_SECOND},
+    level::{self, Loading},
+    telemetry,
+};
+use frames::FrameWriter;
+use sheet::ContactSheet;
+
+/// Width and height of a picture, pixels.
+const SIZE: UVec2 = UVec2::new(960, 540);
+/// Updates within which a picture must have come back from the renderer.
+const PATIENCE: u32 = 100;
+/// Seconds of wall time within which the assets must be there.
+const LOADING_TIME: Duration = Duration::from_secs(120);
+/// Name of the contact sheet in the film's folder.
+const SHEET: &str = "contact_sheet.png";
+
+/// Why there is no film.
+#[derive(Error, Debug)]
+pub enum FilmError {
+    /// A file or folder could not be written.
+    #[error("{}: {reason}", path.display())]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
+    /// A thread that writes pictures ended early.
+    #[error("writing the pictures stopped half-way")]
+    Writer,
+    /// The character could not be loaded.
+    #[error("the level did not load: {0}")]
+    Loading(String),
+    /// The renderer gave no picture.
+    #[error("the renderer gave no picture of frame {0}")]
+    NoPicture(usize),
+}
+
+impl FilmError {
+    fn file(path: &Path, reason: impl ToString) -> Self {
+        Self::File { path: path.to_path_buf(), reason: reason.to_string() }
+    }
+}
+
+/// The picture that the camera draws into.
+#[derive(Resource, Clone)]
+struct Canvas(Handle<Image>);
+
+/// Number of the picture that a screenshot will be.
+#[derive(Component)]
+struct Frame(usize);
+
+/// Pictures back from the renderer.
+#[derive(Resource, Default)]
+struct Developed(Vec<(usize, RgbImage)>);
+
+/// Films as `options` say, with the assets of the folder `assets`.
+///
+/// # Errors
+/// [`FilmError`]: nothing loaded, or nothing could be written.
+pub fn run(options: &Options, assets: &Path) -> Result<(), FilmError> {
+    let began = Instant::now();
+    let writer = FrameWriter::start(&options.out)?;
+    let mut app = studio(options, assets);
+    load(&mut app)?;
+
+    let count = frame_count(options.seconds, options.fps);
+    let mut sheet = ContactSheet::new(count);
+    let mut captions = Vec::with_capacity(count);
+    let mut written = 0;
+    let bar = progress(count);
+    for frame in 0..count {
+        expose(&mut app, frame, TICKS_PER_SECOND / options.fps);
+        captions.push(walk::caption(app.world_mut(), frame as f32 / options.fps as f32));
+        written += develop(&mut app, &writer, &mut sheet, &captions);
+        tick(&bar, written, count);
+    }
+    for _ in 0..PATIENCE {
+        if written == count {
+            break;
+        }
+        app.update();
+        written += develop(&mut app, &writer, &mut sheet, &captions);
+        tick(&bar, written, count);
+    }
+    bar.finish_and_clear();
+    if written < count {
+        return Err(FilmError::NoPicture(written));
+    }
+    writer.finish()?;
+    if let Some(sheet) = sheet.compose() {
+        frames::save(&options.out.join(SHEET), &sheet)?;
+    }
+    let seconds = began.elapsed().as_secs_f32();
+    println!("{}", walk::measures(app.world_mut()));
+    println!("{count} pictures and {SHEET} in {} after {seconds:.0} s", options.out.display());
+    Ok(())
+}
+
+/// Pictures of a film, at least one.
+fn frame_count(seconds: f32, fps: u32) -> usize {
+    ((seconds * fps as f32).round() as usize).max(1)
+}
+
+/// An app with the level, a walker and a camera that draws into a picture.
+fn studio(options: &Options, assets: &Path) -> App {
+    let size = options.size.unwrap_or(SIZE);
+    let mut app = engine::headless(assets);
+    let canvas = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
+    let canvas = app.world_mut().resource_mut::<Assets<Image>>().add(canvas);
+    app.insert_resource(Canvas(canvas))
+        .insert_resource(level::Seed(options.seed))
+        .insert_resource(TimeUpdateStrategy::FixedTimesteps(0))
+        .init_resource::<Developed>()
+        .add_plugins((level::plugin, walk::plugin, telemetry::plugin));
+    super::open_telemetry(&mut app, options);
+    engine::finish(&mut app);
+    app
+}
+
+/// Updates, with time standing still, until the level is complete.
+fn load(app: &mut App) -> Result<(), FilmError> {
+    let began = Instant::now();
+    loop {
+        app.update();
+        match app.world().resource::<Loading>() {
+            Loading::Done => return Ok(()),
+            Loading::Failed(reason) => return Err(FilmError::Loading(reason.clone())),
+            Loading::Waiting if began.elapsed() > LOADING_TIME => {
+                return Err(FilmError::Loading(format!("nothing came within {} s", LOADING_TIME.as_secs())));
+            }
+            Loading::Waiting => std::thread::sleep(Duration::from_millis(5)),
+        }
+    }
+}
+
+/// Steps the walk `ticks` times and takes a picture of the last.
+fn expose(app: &mut App, frame: usize, ticks: u32) {
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
+    shutter(app, false);
+    for _ in 1..ticks {
+        app.update();
+    }
+    shutter(app, true);
+    let canvas = app.world().resource::<Canvas>().0.clone();
+    app.world_mut().spawn((Screenshot::image(canvas), Frame(frame))).observe(keep);
+    app.update();
+    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(0));
+    shutter(app, false);
+}
+
+/// Lets the camera draw, or not: steps between two pictures need none.
+fn shutter(app: &mut App, open: bool) {
+    let mut cameras = app.world_mut().query::<&mut Camera>();
+    for mut camera in cameras.iter_mut(app.world_mut()) {
+        camera.is_active = open;
+    }
+}
+
+fn keep(picture: On<ScreenshotCaptured>, frames: Query<&Frame>, mut developed: ResMut<Developed>) {
+    let Ok(frame) = frames.get(picture.entity) else { return };
+    match picture.image.clone().try_into_dynamic() {
+        Ok(image) => developed.0.push((frame.0, image.to_rgb8())),
+        Err(error) => error!("picture {} has no usable format: {error}", frame.0),
+    }
+}
+
+/// Hands finished pictures to writer and sheet; returns how many.
+fn develop(app: &mut App, writer: &FrameWriter, sheet: &mut ContactSheet, captions: &[String]) -> usize {
+    let pictures = std::mem::take(&mut app.world_mut().resource_mut::<Developed>().0);
+    let count = pictures.len();
+    for (frame, picture) in pictures {
+        if sheet.wants(frame) {
+            sheet.add(frame, &picture, captions[frame].clone());
+        }
+        writer.write(frame, picture);
+    }
+    count
+}
+
+fn progress(count: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("filming {bar:40} {pos}/{len}, {eta} left");
+    ProgressBar::new(count as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// Shows progress: a bar on a terminal, else a line every tenth of the way.
+fn tick(bar: &ProgressBar, written: usize, count: usize) {
+    let before = usize::try_from(bar.position()).unwrap_or(0);
+    bar.set_position(written as u64);
+    if bar.is_hidden() && written * 10 / count > before * 10 / count {
+        eprintln!("filming {written}/{count}");
+    }
+}
+
+/// Where the camera of the film draws.
+fn target(canvas: &Canvas) -> RenderTarget {
+    RenderTarget::Image(canvas.0.clone().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twenty_seconds_are_six_hundred_pictures_and_an_instant_is_one() {
+        assert_eq!([frame_count(20.0, 30), frame_count(0.1, 1)], [600, 1]);
+    }
+}

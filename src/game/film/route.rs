@@ -1,0 +1,124 @@
+//! Follows a row of points over the course, each leg at its own speed. Pure; world space, metres, only x and z count.
+
+use bevy::math::{Vec2, Vec3, Vec3Swizzles};
+
+/// Metres ahead on the way that the walker aims for: small turns sharply at each point, large cuts corners.
+const LOOK_AHEAD: f32 = 1.2;
+/// Metres from the end of the way at which the walker stops.
+const ARRIVAL: f32 = 0.3;
+
+/// A point of the way, and how to get there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// The point, as (x, z).
+    pub to: Vec2,
+    /// Speed on the way to it, m/s.
+    pub speed: f32,
+}
+
+/// Where a walker on the way should go now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heading {
+    /// Level direction, length 1.
+    pub direction: Vec3,
+    /// Speed, m/s.
+    pub speed: f32,
+}
+
+/// A way, and how far along it the walker is.
+#[derive(Clone, Debug)]
+pub struct Route {
+    legs: Vec<Leg>,
+    /// The point where the walker set out.
+    start: Vec2,
+    /// The leg under way.
+    leg: usize,
+}
+
+impl Route {
+    /// A way from `start` through all `legs`.
+    #[must_use]
+    pub fn new(start: Vec3, legs: Vec<Leg>) -> Self {
+        Self { legs, start: start.xz(), leg: 0 }
+    }
+
+    /// Where to go from `position`; `None` at the end.
+    pub fn heading(&mut self, position: Vec3) -> Option<Heading> {
+        let position = position.xz();
+        loop {
+            let leg = *self.legs.get(self.leg)?;
+            let last = self.leg + 1 == self.legs.len();
+            let left = self.left_on_leg(position);
+            if left > if last { ARRIVAL } else { LOOK_AHEAD } {
+                // A point on this leg, a step ahead of where the walker is nearest to it.
+                let along = (leg.to - self.leg_start()).normalize_or_zero();
+                let aim = leg.to - along * (left - LOOK_AHEAD).max(0.0);
+                let direction = (aim - position).try_normalize().unwrap_or(along);
+                return Some(Heading { direction: Vec3::new(direction.x, 0.0, direction.y), speed: leg.speed });
+            }
+            self.leg += 1;
+        }
+    }
+
+    /// Metres of this leg ahead of the walker, measured along the leg.
+    fn left_on_leg(&self, position: Vec2) -> f32 {
+        let to = self.legs[self.leg].to;
+        let along = (to - self.leg_start()).normalize_or_zero();
+        (to - position).dot(along)
+    }
+
+    fn leg_start(&self) -> Vec2 {
+        self.leg.checked_sub(1).map_or(self.start, |before| self.legs[before].to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Route {
+        let corner = |x, z, speed| Leg { to: Vec2::new(x, z), speed };
+        Route::new(Vec3::ZERO, vec![corner(6.0, 0.0, 1.4), corner(6.0, 6.0, 3.5), corner(0.0, 6.0, 1.4)])
+    }
+
+    /// Walks `route` from `position` in steps of 5 cm; returns all places.
+    fn walked(mut route: Route, mut position: Vec3) -> Vec<Vec3> {
+        let mut places = vec![position];
+        while let Some(heading) = route.heading(position) {
+            position += heading.direction * 0.05;
+            places.push(position);
+            assert!(places.len() < 2000, "still under way at {position}");
+        }
+        places
+    }
+
+    #[test]
+    fn the_walker_arrives_at_the_end_and_near_every_point_between() {
+        let places = walked(square(), Vec3::ZERO);
+        for leg in square().legs {
+            let nearest = places.iter().map(|place| place.xz().distance(leg.to)).fold(f32::MAX, f32::min);
+            assert!(nearest < 0.9, "passed {} at {nearest:.2} m", leg.to);
+        }
+        let end = places[places.len() - 1].xz().distance(Vec2::new(0.0, 6.0));
+        assert!(end <= ARRIVAL + 0.05, "ended {end:.2} m away");
+    }
+
+    #[test]
+    fn a_walker_pushed_aside_comes_back_to_the_way() {
+        let places = walked(square(), Vec3::new(0.0, 0.0, 2.0));
+        let at_half = places.iter().find(|place| place.x > 4.0).unwrap();
+        assert!(at_half.z.abs() < 0.3, "still {:.2} m beside the way", at_half.z);
+    }
+
+    #[test]
+    fn each_leg_has_its_own_speed() {
+        let mut route = square();
+        let speeds = [Vec3::ZERO, Vec3::new(6.0, 0.0, 1.0)].map(|at| route.heading(at).unwrap().speed);
+        assert!((speeds[0] - 1.4).abs() + (speeds[1] - 3.5).abs() < 1e-6, "speeds {speeds:?}");
+    }
+
+    #[test]
+    fn a_way_without_points_ends_at_once() {
+        assert_eq!(Route::new(Vec3::ZERO, Vec::new()).heading(Vec3::ZERO), None);
+    }
+}

@@ -1,0 +1,86 @@
+//! The level: physics, the land with its course and sky, and the hero at its start.
+
+use avian3d::prelude::PhysicsPlugins;
+use bevy::{asset::LoadState, prelude::*};
+
+use crate::{
+    SurefootPlugins,
+    character::{Character, schedule::MotionSystems},
+    skinning::model::ModelStatus,
+    terrain::{Heightfield, SkyPlugin, TerrainLookPlugin, TerrainPlugin, course},
+};
+
+/// The hero's file.
+const HERO: &str = "mannequin.character.ron";
+/// Metres below the lowest ground at which a fall ends.
+const FALL: f32 = 15.0;
+
+/// Seed of the hills. Needed before the plugin is added.
+#[derive(Resource, Clone, Copy, Debug)]
+pub struct Seed(pub i32);
+
+/// The character that the game is about.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct Hero;
+
+/// Whether all that the level needs is there.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+pub enum Loading {
+    /// Some files are on their way.
+    #[default]
+    Waiting,
+    /// The hero stands ready.
+    Done,
+    /// A file is missing or broken; why.
+    Failed(String),
+}
+
+/// Where a hero who fell off the land comes back to, and the height below which that happens.
+#[derive(Resource, Clone, Copy, Debug)]
+struct Home {
+    start: Transform,
+    floor: f32,
+}
+
+pub(super) fn plugin(app: &mut App) {
+    let seed = app.world().resource::<Seed>().0;
+    app.init_resource::<Loading>()
+        .add_plugins((PhysicsPlugins::default(), SurefootPlugins, TerrainPlugin { seed }, TerrainLookPlugin, SkyPlugin))
+        .add_systems(Startup, spawn_hero)
+        .add_systems(Update, watch_loading.run_if(resource_equals(Loading::Waiting)))
+        .add_systems(FixedUpdate, bring_home.before(MotionSystems::Move));
+}
+
+fn spawn_hero(mut commands: Commands, field: Res<Heightfield>, assets: Res<AssetServer>) {
+    let points = course::waypoints(&field);
+    let start = points.first().copied().unwrap_or_else(|| field.point(0.0, 0.0));
+    let ahead = points.get(1).map_or(Vec3::NEG_Z, |next| (*next - start).with_y(0.0));
+    let start = Transform::from_translation(start).looking_to(ahead, Vec3::Y);
+    let lowest = field.heights().iter().copied().fold(f32::INFINITY, f32::min);
+    commands.insert_resource(Home { start, floor: lowest - FALL });
+    commands.spawn((Name::new("hero"), Hero, Character(assets.load(HERO)), start));
+}
+
+fn watch_loading(
+    mut loading: ResMut<Loading>,
+    heroes: Query<(&Character, Option<&ModelStatus>), With<Hero>>,
+    assets: Res<AssetServer>,
+) {
+    let Ok((character, model)) = heroes.single() else { return };
+    if let LoadState::Failed(error) = assets.load_state(&character.0) {
+        error!("{HERO}: {error}");
+        *loading = Loading::Failed(error.to_string());
+    } else if model.is_some_and(ModelStatus::is_ready) {
+        *loading = Loading::Done;
+    }
+}
+
+/// Who falls off the land, or is nowhere at all, starts again.
+fn bring_home(mut heroes: Query<&mut Transform, With<Hero>>, home: Option<Res<Home>>) {
+    let Some(home) = home else { return };
+    for mut root in &mut heroes {
+        if !root.translation.is_finite() || root.translation.y < home.floor {
+            *root = home.start;
+        }
+    }
+}
