@@ -24,3 +24,8 @@ pub mod terrain;
 mod plugins;
 
 pub use plugins::SurefootPlugins;
+
+/// The code of the README compiles.
+#[cfg(all(doctest, feature = "game"))]
+#[doc = include_str!("../README.md")]
+struct Readme;
