@@ -9,7 +9,7 @@ use crate::character::motion::MotionState;
 
 /// Whether the view is shown.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct DebugView(pub bool);
+pub(super) struct DebugView(pub(super) bool);
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<DebugView>()

@@ -15,7 +15,7 @@ const STICK_REST: f32 = 0.15;
 /// The character that a person steers. Also the input context: it owns the bindings below.
 #[derive(Component, Clone, Copy, Debug, Default)]
 #[require(MoveIntent, Presses)]
-pub struct Player;
+pub(super) struct Player;
 
 /// Where to, x to the right and y ahead as the camera sees it, length up to 1.
 #[derive(InputAction)]

@@ -17,15 +17,15 @@ const FALL: f32 = 15.0;
 
 /// Seed of the hills. Needed before the plugin is added.
 #[derive(Resource, Clone, Copy, Debug)]
-pub struct Seed(pub i32);
+pub(super) struct Seed(pub(super) i32);
 
 /// The character that the game is about.
 #[derive(Component, Clone, Copy, Debug, Default)]
-pub struct Hero;
+pub(super) struct Hero;
 
 /// Whether all that the level needs is there.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
-pub enum Loading {
+pub(super) enum Loading {
     /// Some files are on their way.
     #[default]
     Waiting,

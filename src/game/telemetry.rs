@@ -18,7 +18,7 @@ const PERIOD: f32 = 0.1;
 
 /// The open file.
 #[derive(Resource)]
-pub struct Telemetry {
+pub(super) struct Telemetry {
     sink: BufWriter<File>,
     /// Seconds until the next line.
     wait: f32,
@@ -29,7 +29,7 @@ impl Telemetry {
     ///
     /// # Errors
     /// What the system says.
-    pub fn create(file: &Path) -> std::io::Result<Self> {
+    pub(super) fn create(file: &Path) -> std::io::Result<Self> {
         Ok(Self { sink: BufWriter::new(File::create(file)?), wait: 0.0 })
     }
 }

@@ -36,8 +36,8 @@ use super::{
 use frames::FrameWriter;
 use sheet::ContactSheet;
 
-/// Width and height of a picture, pixels.
-const SIZE: UVec2 = UVec2::new(960, 540);
+/// Width and height of a picture, pixels: two cores without a GPU draw one of these in about a second.
+const SIZE: UVec2 = UVec2::new(640, 360);
 /// Updates within which a picture must have come back from the renderer.
 const PATIENCE: u32 = 100;
 /// Seconds of wall time within which the assets must be there.
