@@ -68,8 +68,10 @@ fn watch_loading(
 ) {
     let Ok((character, model)) = heroes.single() else { return };
     if let LoadState::Failed(error) = assets.load_state(&character.0) {
-        error!("{HERO}: {error}");
-        *loading = Loading::Failed(error.to_string());
+        // The first line says it all; a backtrace may follow.
+        let reason = error.to_string().lines().next().unwrap_or_default().to_owned();
+        error!("{HERO}: {reason}");
+        *loading = Loading::Failed(reason);
     } else if model.is_some_and(ModelStatus::is_ready) {
         *loading = Loading::Done;
     }
