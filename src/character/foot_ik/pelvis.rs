@@ -14,7 +14,7 @@ const HOP_HALF_LIFE: f32 = 0.1;
 /// Half-life in seconds over which the mean speed of hops is found.
 const HOP_RATE_HALF_LIFE: f32 = 0.15;
 /// How much slower the pelvis rises than it sinks: on a slope it stays where each stride needs it.
-const RISE_SLOWER: f32 = 3.0;
+const RISE_SLOWER: f32 = 1.7;
 
 /// One leg as the pelvis sees it.
 #[derive(Clone, Copy, Debug)]
