@@ -62,7 +62,7 @@ impl<T: Springy> Spring<T> {
     /// A spring at rest.
     #[must_use]
     pub fn at(value: T) -> Self {
-        Self { value, velocity: value - value }
+        Self { value, velocity: value * 0.0 }
     }
 
     /// Moves toward `goal` for `dt` seconds: half-way after about `half_life` seconds.

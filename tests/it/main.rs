@@ -1,6 +1,7 @@
 //! All integration tests in one binary, since each one links for seconds.
 
 #![expect(unreachable_pub, reason = "modules of one binary share their support")]
+#![expect(clippy::unwrap_used, reason = "a test whose scene cannot be set has failed")]
 
 #[cfg(feature = "game")]
 mod camera;
