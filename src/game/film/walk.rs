@@ -24,11 +24,11 @@ use crate::{
 /// Seconds the hero stands still before the walk.
 const PAUSE: f32 = 1.0;
 /// Metres from the camera to the hero: the whole body in view with some ground before it.
-const DISTANCE: f32 = 2.9;
+const DISTANCE: f32 = 3.2;
 /// Metres above the hero's feet of the picture's middle: low, since the film is about feet.
 const AIM_HEIGHT: f32 = 0.8;
-/// Pitch of the camera in radians.
-const PITCH: f32 = 0.16;
+/// Pitch of the camera in radians: over handrails and boulders, so that it need not come near to see past them.
+const PITCH: f32 = 0.36;
 /// Seconds in which the camera makes up half of a turn of the hero.
 const TURN_HALF_LIFE: f32 = 0.9;
 /// The camera swings from beside the hero to before it and back: middle and width of the swing in radians, and seconds for one.
