@@ -21,7 +21,7 @@ impl<'a> Accumulator<'a> {
 
     /// Adds `pose` with `weight`; weights need not sum to one. A weight of zero or less adds nothing.
     pub fn add(&mut self, pose: &[JointTransform], weight: f32) {
-        if !(weight > 0.0) {
+        if weight.is_nan() || weight <= 0.0 {
             return;
         }
         if self.total <= 0.0 {
@@ -36,7 +36,7 @@ impl<'a> Accumulator<'a> {
             for (sum, joint) in self.sum.iter_mut().zip(pose) {
                 let side = if sum.rotation.dot(joint.rotation) < 0.0 { -weight } else { weight };
                 sum.translation += joint.translation * weight;
-                sum.rotation = sum.rotation + joint.rotation * side;
+                sum.rotation += joint.rotation * side;
                 sum.scale += joint.scale * weight;
             }
         }

@@ -29,7 +29,6 @@ pub struct WindowShape {
 }
 
 /// An app with a window.
-#[must_use]
 pub fn windowed(assets: &Path, shape: WindowShape) -> App {
     let mode = if shape.fullscreen {
         WindowMode::BorderlessFullscreen(MonitorSelection::Current)
@@ -56,7 +55,6 @@ pub fn windowed(assets: &Path, shape: WindowShape) -> App {
 }
 
 /// An app that needs no display, whose `update` finishes the picture it draws.
-#[must_use]
 pub fn headless(assets: &Path) -> App {
     let mut app = App::new();
     app.add_plugins(

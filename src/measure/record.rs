@@ -70,7 +70,7 @@ fn record(
         let world_from_model = root.to_isometry();
         let feet = [0, 1].map(|side| {
             let leg = &asset.legs[side];
-            let sole = sole_model(&pose.pose, leg).map(|point| Vec3::from(world_from_model * point));
+            let sole = sole_model(&pose.pose, leg).map(|point| world_from_model * point);
             let ground = sole.map(|point| probe.down(point + Vec3::Y * ABOVE, ABOVE + BELOW).map(|hit| hit.point.y));
             FootFrame {
                 sole,
@@ -87,7 +87,7 @@ fn record(
         let frame = Frame {
             time: recorder.clock,
             feet,
-            pelvis: Vec3::from(world_from_model * pose.pose.position(asset.hips)).y,
+            pelvis: (world_from_model * pose.pose.position(asset.hips)).y,
             root: root.translation,
             grounded: motion.ground.is_some(),
             joint_speed,

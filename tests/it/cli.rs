@@ -94,7 +94,8 @@ fn a_film_is_frames_a_contact_sheet_and_a_table() {
     let (said, warned) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success(), "exit {:?}: {said}{warned}", output.status.code());
 
-    let mut names: Vec<_> = fs::read_dir(&folder.0).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+    let mut names: Vec<_> = fs::read_dir(&folder.0).unwrap().map(|entry| name(entry.unwrap())).collect();
     names.sort();
     let frames: Vec<_> = (0..10).map(|frame| format!("frame_{frame:04}.png")).collect();
     let wanted: Vec<_> = std::iter::once("contact_sheet.png".to_owned()).chain(frames.iter().cloned()).collect();

@@ -69,7 +69,7 @@ pub fn solve(limb: &Limb, target: Vec3, extension: Extension) -> Solution {
         end: limb.end,
         missed: limb.end.distance(target),
     };
-    if !target.is_finite() || !(a > SHORTEST_BONE) || !(b > SHORTEST_BONE) || !(a + b).is_finite() {
+    if !target.is_finite() || !(a + b).is_finite() || a.min(b) <= SHORTEST_BONE {
         return unsolved;
     }
     let wanted = target - limb.root;

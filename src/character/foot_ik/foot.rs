@@ -283,7 +283,6 @@ impl FootState {
         let dt = around.dt;
         let frame = around.frames.frame(plant.ground).unwrap_or(Isometry3d::IDENTITY);
         let anchor = frame * plant.anchor_ground;
-        let anchor = Vec3::from(anchor);
         let plane = Plane { point: anchor, normal: frame.rotation * plant.normal_ground };
         let held = frame.rotation * (from_scaled_axis(Vec3::Y * plant.yaw_ground) * Vec3::NEG_Z);
         self.yaw_offset = wrap_angle(heading(held) - heading(foot.forward));
@@ -344,7 +343,7 @@ const HURRY: f32 = 0.12;
 const STUCK: f32 = 0.012;
 
 fn anchor_world(plant: &Plant, frames: &impl GroundFrames) -> Option<Vec3> {
-    frames.frame(plant.ground).map(|frame| Vec3::from(frame * plant.anchor_ground))
+    frames.frame(plant.ground).map(|frame| frame * plant.anchor_ground)
 }
 
 pub(super) fn flat(vector: Vec3) -> Vec3 {

@@ -175,7 +175,7 @@ impl FootIk {
         let world_from_model = body.root.to_isometry();
         let legs = [0, 1].map(|side| {
             let leg = &body.asset.legs[side];
-            let hip = Vec3::from(world_from_model * pose.pose.position(leg.upper));
+            let hip = world_from_model * pose.pose.position(leg.upper);
             let now = LegReach {
                 hip,
                 ankle: ankles[side],
@@ -211,10 +211,10 @@ impl Body<'_> {
         let cue = self.locomotion.cues[side];
         let world_from_model = self.root.to_isometry();
         let warp = self.warp(pose, leg);
-        let to_world = |model: Vec3| Vec3::from(world_from_model * (model + warp(model)));
+        let to_world = |model: Vec3| world_from_model * (model + warp(model));
         let ankle_model = pose.pose.position(leg.foot);
         let shift = warp(ankle_model);
-        let sole = sole_model(&pose.pose, leg).map(|point| Vec3::from(world_from_model * (point + shift)));
+        let sole = sole_model(&pose.pose, leg).map(|point| world_from_model * (point + shift));
         let [heel, ball, tip] = sole;
         let forward = (ball - heel).with_y(0.0).normalize_or(*self.root.forward());
         let (landing, landing_forward) = match cue.landing_model {
@@ -223,7 +223,7 @@ impl Body<'_> {
         };
         AnimatedFoot {
             ankle: to_world(ankle_model),
-            clip_ankle: Vec3::from(world_from_model * ankle_model),
+            clip_ankle: world_from_model * ankle_model,
             heel,
             ball,
             tip,
@@ -283,7 +283,7 @@ impl Body<'_> {
         let animated = pose.pose.position(leg.upper).distance(pose.pose.position(leg.foot));
         // A clip's own stretch is not resisted: level ground shows the clip as it is.
         let soft = config.extension.0.max((animated / leg.length()).min(config.extension.1 - 0.005));
-        let ankle = Vec3::from(model_from_world * ankle_world);
+        let ankle = model_from_world * ankle_world;
         // The heel lifts about the toes' joint: that is where a foot bends.
         let rest = leg.toes.unwrap_or(leg.foot);
         let ball = ankle + turn_model * (pose.pose.position(rest) - pose.pose.position(leg.foot));

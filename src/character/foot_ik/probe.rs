@@ -33,7 +33,7 @@ impl<'a, 'w, 's> PhysicsProbe<'a, 'w, 's> {
 
 impl Probe for PhysicsProbe<'_, '_, '_> {
     fn down(&self, start: Vec3, length: f32) -> Option<GroundHit> {
-        if !start.is_finite() || !(length > 0.0) {
+        if !start.is_finite() || length.is_nan() || length <= 0.0 {
             return None;
         }
         let solid = |entity: Entity| !self.sensors.contains(entity);
