@@ -14,7 +14,7 @@ use crate::character::{locomotion::Locomotion, motion::MotionState};
 const CONTROLS: &str = "WASD walk   Shift run   Space jump   C crouch   mouse look   wheel zoom   right button aim   \
     Esc free the mouse   F1 hide this   F3 feet";
 /// Text size in pixels.
-const TEXT_SIZE: f32 = 15.0;
+const TEXT_SIZE: f32 = 13.0;
 /// Distance of texts from the edges of the window, pixels.
 const MARGIN: f32 = 12.0;
 /// Ink, and the shade below it that keeps it readable over snow and shadow alike.
