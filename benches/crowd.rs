@@ -113,7 +113,7 @@ fn stage() -> App {
         (
             (|mut watch: ResMut<Watch>| watch.begun = Some(Instant::now())).before(PoseSystems::Locomote),
             palettes.in_set(PoseSystems::Palette),
-            stop.after(PoseSystems::Palette).before(bevy::transform::TransformSystems::Propagate),
+            stop.after(PoseSystems::Palette).before(TransformSystems::Propagate),
         ),
     );
     for piece in Ground::hills().pieces {
