@@ -130,8 +130,9 @@ mod tests {
             .insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
         let look = GlobalTransform::from(Transform::default().looking_to(Vec3::new(1.0, -1.0, 0.0), Vec3::Y));
         app.world_mut().spawn((Camera3d::default(), look));
-        let player = app.world_mut().spawn((Player, MotionConfig::default())).id();
         app.finish();
+        app.cleanup();
+        let player = app.world_mut().spawn((Player, MotionConfig::default())).id();
         app.update();
         (app, player)
     }

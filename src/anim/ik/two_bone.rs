@@ -132,7 +132,7 @@ mod tests {
     fn leg() -> Limb {
         Limb {
             root: Vec3::new(0.0, 0.9, 0.0),
-            middle: Vec3::new(0.0, 0.5, -0.05),
+            middle: Vec3::new(0.0, 0.5, -0.15),
             end: Vec3::new(0.0, 0.08, 0.0),
             pole: Vec3::NEG_Z,
         }

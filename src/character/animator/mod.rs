@@ -1,6 +1,6 @@
 //! Clip weights and phases → local pose and model pose.
 //!
-//! Reads [`Locomotion`](super::locomotion::Locomotion) and the character's clips; writes [`CharacterPose`].
+//! Reads [`Locomotion`] and the character's clips; writes [`CharacterPose`].
 
 use bevy::prelude::*;
 

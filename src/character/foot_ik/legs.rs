@@ -78,7 +78,7 @@ pub fn place_leg(
 
 /// Turn about the ball, in model space, by which the heel lifts so that the ankle comes within `reach` of the hip.
 ///
-/// The identity where it is within reach already; at most [`MOST_LIFT`].
+/// The identity where it is within reach already; at most 0.9 rad.
 #[must_use]
 pub fn heel_lift(hip: Vec3, ankle: Vec3, ball: Vec3, reach: f32) -> Quat {
     let forward = (ball - ankle).with_y(0.0);

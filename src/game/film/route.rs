@@ -97,7 +97,7 @@ mod tests {
         let places = walked(square(), Vec3::ZERO);
         for leg in square().legs {
             let nearest = places.iter().map(|place| place.xz().distance(leg.to)).fold(f32::MAX, f32::min);
-            assert!(nearest < 0.9, "passed {} at {nearest:.2} m", leg.to);
+            assert!(nearest < LOOK_AHEAD, "passed {} at {nearest:.2} m", leg.to);
         }
         let end = places[places.len() - 1].xz().distance(Vec2::new(0.0, 6.0));
         assert!(end <= ARRIVAL + 0.05, "ended {end:.2} m away");
