@@ -73,6 +73,8 @@ fn stride() -> Stride {
         toes: toe_curve(&pitch, tip_off, &toes),
         pitch,
         bends: [0.2, 0.16],
+        hold: [0.13, 0.11],
+        rise: [0.06, 0.06],
         bumps: vec![Bump::new(0.80, 0.2, 0.055, 0.0)],
         swing: None,
         sole: Sole::left(),

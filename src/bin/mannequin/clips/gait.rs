@@ -109,3 +109,40 @@ impl SwingAngles {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{crouch, leg::Sole, run, sidle, sprint, walk};
+    use super::*;
+
+    /// Mean over 60 Hz frames of a foot's speed over the ground, counted by how low it is (up to 2.5 cm), cm/s.
+    fn skate(stride: &Stride) -> f64 {
+        let sole = Sole::left();
+        let frames = 600;
+        let sum: f64 = (0..frames)
+            .map(|i| {
+                let phase = f64::from(i) / f64::from(frames);
+                let before = phase - 1.0 / 60.0 / stride.period;
+                let (now, then) = (stride.foot(phase), stride.foot(before));
+                let point = now.lowest_point(&sole);
+                let (now, then) = (now.points(&sole)[point], then.points(&sole)[point]);
+                // The seam: the foot before phase 0 is a whole stride behind.
+                let moved = now - then + stride.travel / 60.0;
+                let speed = 60.0 * DVec3::new(moved.x, 0.0, moved.z).length();
+                100.0 * speed * (2.0 - (now.y / 0.025).clamp(0.0, 1.0).exp2())
+            })
+            .sum();
+        sum / f64::from(frames)
+    }
+
+    #[test]
+    fn feet_do_not_skate() {
+        let gaits = [(walk::gait(), 0.7), (run::gait(), 0.7), (sprint::gait(), 2.5), (crouch::gait(), 0.7)];
+        for (gait, bar) in gaits.into_iter().chain([(sidle::back(), 0.7), (sidle::left(), 0.7)]) {
+            for stride in &gait.strides {
+                let skate = skate(stride);
+                assert!(skate < bar, "{} skates at {skate:.2} cm/s", gait.name);
+            }
+        }
+    }
+}

@@ -39,6 +39,25 @@ pub struct Foot {
 }
 
 impl Foot {
+    /// Under the heel, under the toe joint, under the toes' tip.
+    #[must_use]
+    pub fn points(&self, sole: &Sole) -> [DVec3; 3] {
+        let toe_joint = self.ankle + self.turn * (sole.toe_joint - sole.ankle);
+        let under = DVec3::new(0.0, -sole.toe_joint.y, 0.0);
+        [
+            self.ankle + self.turn * (sole.heel - sole.ankle),
+            toe_joint + self.toes * under,
+            toe_joint + self.toes * (sole.tip - sole.toe_joint),
+        ]
+    }
+
+    /// Which of the sole's points is lowest.
+    #[must_use]
+    pub fn lowest_point(&self, sole: &Sole) -> usize {
+        let points = self.points(sole);
+        (1..3).fold(0, |lowest, point| if points[point].y < points[lowest].y { point } else { lowest })
+    }
+
     /// The same foot on the other side.
     #[must_use]
     pub fn mirrored(self) -> Self {

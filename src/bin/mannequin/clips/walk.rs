@@ -90,6 +90,8 @@ fn stride() -> Stride {
         pitch,
         toes,
         bends: [0.3, 0.15],
+        hold: [0.13, 0.11],
+        rise: [0.06, 0.05],
         bumps: vec![Bump::new(0.79, 0.2, 0.05, 0.0), Bump::new(0.94, 0.06, 0.002, -0.03)],
         swing: Some(Box::new(
             SwingAngles {
