@@ -23,6 +23,21 @@ pub(super) struct Starts {
     pub(super) run: Option<[f32; 2]>,
 }
 
+impl Starts {
+    /// The slower of each.
+    pub(super) fn slowest(self, other: Self) -> Self {
+        let slower = |a: Option<[f32; 2]>, b: Option<[f32; 2]>| match (a, b) {
+            (Some(a), Some(b)) => Some([a[0].max(b[0]), a[1].max(b[1])]),
+            (one, other) => one.or(other),
+        };
+        Self {
+            frames: self.frames.into_iter().chain(other.frames).reduce(f32::max),
+            walk: slower(self.walk, other.walk),
+            run: slower(self.run, other.run),
+        }
+    }
+}
+
 /// Looks at every start. What isn't reached before the intent changes counts with the time until then.
 pub(super) fn starts(frames: &[Frame]) -> Starts {
     let mut starts = Starts::default();
@@ -39,15 +54,15 @@ pub(super) fn starts(frames: &[Frame]) -> Starts {
         let idle = before.iter().map(|frame| frame.pose_speed).fold(0.0, f32::max);
         let changed = rest.iter().position(|frame| frame.pose_speed > FASTER * idle + CLEARLY);
         let count = changed.unwrap_or(same) as f32 + 1.0;
-        starts.frames = Some(starts.frames.map_or(count, |slowest| slowest.max(count)));
         let direction = wanted.normalize_or_zero();
         let last = rest.len() - 1;
         let reached = [0.63, 0.9].map(|share| {
             let fast = |frame: &Frame| frame.velocity.dot(direction) >= share * wanted.length();
             rest[rest.iter().position(fast).unwrap_or(last)].time - before[BEFORE - 1].time
         });
-        let gait = if wanted.length() < RUN { &mut starts.walk } else { &mut starts.run };
-        *gait = Some(gait.map_or(reached, |slowest| [0, 1].map(|i| reached[i].max(slowest[i]))));
+        let walks = wanted.length() < RUN;
+        let (walk, run) = (walks.then_some(reached), (!walks).then_some(reached));
+        starts = starts.slowest(Starts { frames: Some(count), walk, run });
     }
     starts
 }

@@ -5,7 +5,7 @@ use bevy::{math::ops, prelude::*};
 use super::{
     frame::{FootFrame, Frame},
     pelvis::accelerations,
-    start::starts,
+    start::{Starts, starts},
 };
 
 /// What a run measured. `None`: nothing in the run could be measured so.
@@ -70,34 +70,46 @@ const BACKWARD: f32 = -0.5 * core::f32::consts::PI / 180.0;
 /// Figures of a run, in order of time.
 #[must_use]
 pub fn summarize(frames: &[Frame]) -> Measures {
-    let mut drifts = drifts(frames);
-    let feet = || frames.iter().flat_map(|frame| &frame.feet);
+    summarize_all(&[frames])
+}
+
+/// Figures of several runs together, each in order of time.
+#[must_use]
+pub fn summarize_all(runs: &[&[Frame]]) -> Measures {
+    let frames = || runs.iter().copied().flatten();
+    let feet = || frames().flat_map(|frame| &frame.feet);
+    let mut drifts: Vec<f32> = runs.iter().flat_map(|run| drifts(run)).collect();
     let depth = |heights: &mut dyn Iterator<Item = f32>| heights.map(|height| -height).fold(0.0f32, f32::max);
     let mut penetration: Vec<f32> = feet().map(|foot| depth(&mut foot.heights()) * 1000.0).collect();
-    let stances = frames.iter().filter(|frame| frame.grounded).flat_map(|frame| &frame.feet).filter(|foot| foot.stance);
+    let stances = frames().filter(|frame| frame.grounded).flat_map(|frame| &frame.feet).filter(|foot| foot.stance);
     let mut float: Vec<f32> = stances.filter_map(|foot| foot.lowest()).map(|(_, h)| h.max(0.0) * 1000.0).collect();
     let mut reach: Vec<f32> = feet().filter_map(|foot| foot.missed).map(|missed| missed * 1000.0).collect();
     let reach_mean = (!reach.is_empty()).then(|| reach.iter().sum::<f32>() / reach.len() as f32);
-    let mut pelvis = accelerations(frames);
-    let starts = starts(frames);
-    let largest = |of: &dyn Fn(&Frame) -> f32| frames.iter().map(of).fold(0.0, f32::max);
+    let (mut pelvis, mut landing) = (Vec::new(), None);
+    for run in runs {
+        let found = accelerations(run);
+        pelvis.extend(found.on_ground);
+        landing = found.landing.into_iter().chain(landing).reduce(f32::max);
+    }
+    let starts = runs.iter().map(|run| starts(run)).fold(Starts::default(), Starts::slowest);
+    let largest = |of: &dyn Fn(&Frame) -> f32| frames().map(of).fold(0.0, f32::max);
     Measures {
         stances: drifts.len(),
         drift_median: percentile(&mut drifts, 0.5),
         drift_p95: percentile(&mut drifts, 0.95),
         drift_max: percentile(&mut drifts, 1.0),
-        skate: skate(frames),
+        skate: skate(runs),
         penetration_p99: percentile(&mut penetration, 0.99),
         penetration_max: percentile(&mut penetration, 1.0),
         float_p95: percentile(&mut float, 0.95),
         knee_hyperextended: feet().filter(|foot| foot.knee < BACKWARD).count(),
-        knee_change: knee_change(frames),
+        knee_change: knee_change(runs),
         extension_max: feet().map(|foot| foot.extension).fold(0.0, f32::max),
         pop_speed: largest(&|frame| over(frame.joint_speed, frame.peak.joint_speed)),
         pop_jump: largest(&|frame| over(frame.velocity_jump, frame.peak.velocity_jump)),
-        pelvis_p99: percentile(&mut pelvis.on_ground, 0.99),
-        pelvis_max: percentile(&mut pelvis.on_ground, 1.0),
-        pelvis_landing: pelvis.landing.iter().copied().reduce(f32::max),
+        pelvis_p99: percentile(&mut pelvis, 0.99),
+        pelvis_max: percentile(&mut pelvis, 1.0),
+        pelvis_landing: landing,
         reach_mean,
         reach_max: reach_mean.map(|_| percentile(&mut reach, 1.0)),
         start_frames: starts.frames,
@@ -114,16 +126,16 @@ fn over(value: f32, reference: f32) -> f32 {
 }
 
 /// Both frames of each foot in neighbouring frames, and the seconds between.
-fn steps(frames: &[Frame]) -> impl Iterator<Item = (&FootFrame, &FootFrame, f32)> {
-    frames.windows(2).flat_map(|pair| {
+fn steps<'a>(runs: &[&'a [Frame]]) -> impl Iterator<Item = (&'a FootFrame, &'a FootFrame, f32)> {
+    runs.iter().flat_map(|run| run.windows(2)).flat_map(|pair| {
         let dt = (pair[1].time - pair[0].time).max(1e-4);
         pair[0].feet.iter().zip(&pair[1].feet).map(move |(before, after)| (before, after, dt))
     })
 }
 
-fn knee_change(frames: &[Frame]) -> f32 {
+fn knee_change(runs: &[&[Frame]]) -> f32 {
     let change = |(before, after, dt): (&FootFrame, &FootFrame, f32)| (after.knee - before.knee).abs() / dt / 60.0;
-    steps(frames).map(change).fold(0.0, f32::max).to_degrees()
+    steps(runs).map(change).fold(0.0, f32::max).to_degrees()
 }
 
 /// Per stance the largest horizontal distance of the planted ball from where it was planted, mm.
@@ -153,9 +165,9 @@ fn drifts(frames: &[Frame]) -> Vec<f32> {
     stances
 }
 
-fn skate(frames: &[Frame]) -> f32 {
+fn skate(runs: &[&[Frame]]) -> f32 {
     let (mut sum, mut count) = (0.0f32, 0usize);
-    for (before, after, dt) in steps(frames) {
+    for (before, after, dt) in steps(runs) {
         let Some((point, height)) = after.lowest() else { continue };
         let moved = after.sole[point] - before.sole[point] - after.carried[point];
         let share = 2.0 - ops::exp2((height / SKATE_HEIGHT).clamp(0.0, 1.0));
