@@ -1,7 +1,15 @@
-//! Layer 3: what tells good motion from bad, in numbers: drift, skate, penetration, float, knees, pops, pelvis, reach.
+//! Layer 3: what tells good motion from bad, in numbers: drift, skate, penetration, float, knees, pops, pelvis, reach, starts.
 //!
-//! [`record`] reads the final pose and the true colliders once a frame; [`summary`] turns the frames into figures.
+//! [`record`] reads the final pose and the true colliders once a frame; [`summary`] turns the [`frame`]s into figures;
+//! [`bars`] says how far each may go.
 
+pub mod bars;
+pub mod frame;
+mod peak;
+mod pelvis;
 pub mod record;
+mod start;
 pub mod summary;
 pub mod table;
+
+pub use peak::Peak;

@@ -3,20 +3,24 @@
 use avian3d::prelude::*;
 use bevy::prelude::*;
 
-use super::summary::{FootFrame, Frame};
+use super::{
+    frame::{FootFrame, Frame},
+    peak::{JointMotion, Peak},
+};
 use crate::{
-    anim::{ik::two_bone::bend_angle, leg::Leg, pose::Pose, skeleton::JointTransform},
+    anim::{ik::two_bone::bend_angle, leg::Leg, pose::Pose},
     character::{
         Character,
         animator::CharacterPose,
         bind::CharacterAssets,
         foot_ik::{FootIk, Frames, GroundFilter, GroundFrames, PhysicsProbe, Pivot, Probe},
+        intent::MoveIntent,
         locomotion::Locomotion,
         motion::MotionState,
         schedule::PoseSystems,
         sole::sole_model,
     },
-    math::rotation::angle_between,
+    rig::character::CharacterAsset,
 };
 
 /// Records the frames of the character that it is put on.
@@ -25,9 +29,9 @@ pub struct Recorder {
     /// What was recorded, in order of time.
     pub frames: Vec<Frame>,
     clock: f32,
-    last: Vec<JointTransform>,
-    positions: Vec<Vec3>,
-    velocities: Vec<Vec3>,
+    motion: JointMotion,
+    peaks: ClipPeaks,
+    grounds: Vec<(Entity, Isometry3d)>,
 }
 
 /// Fills [`Recorder`]s.
@@ -39,9 +43,142 @@ impl Plugin for MeasurePlugin {
     }
 }
 
+/// What holds a foot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hold {
+    /// Nothing: it swings.
+    #[default]
+    Free,
+    /// It stands, but its ball doesn't yet, or no longer.
+    Stance,
+    /// Its ball stands on this ground; `None` on whatever lies below it.
+    Ball(Option<Entity>),
+}
+
+/// What a viewer sees of a character in one frame.
+pub struct Seen<'a> {
+    /// Whose legs these are.
+    pub asset: &'a CharacterAsset,
+    /// The final pose.
+    pub pose: &'a Pose,
+    /// The root, world.
+    pub root: &'a Transform,
+    /// Whether it stands on ground.
+    pub grounded: bool,
+    /// Velocity wanted, world, m/s.
+    pub wanted: Vec3,
+    /// Velocity over the ground, m/s.
+    pub velocity: Vec3,
+    /// What holds each foot.
+    pub holds: [Hold; 2],
+    /// Metres by which each ankle missed its target, if it has one.
+    pub missed: [Option<f32>; 2],
+    /// What plays.
+    pub playing: &'a [Playing],
+}
+
+/// A clip that plays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Playing {
+    /// Index in [`CharacterAsset::clips`].
+    pub clip: usize,
+    /// Factor on its own speed.
+    pub rate: f32,
+}
+
+impl Recorder {
+    /// Records one frame of `dt` seconds.
+    pub fn record(&mut self, seen: &Seen<'_>, probe: &impl Probe, grounds: &impl GroundFrames, dt: f32) {
+        let world_from_model = seen.root.to_isometry();
+        let mut met = Vec::with_capacity(6);
+        let feet = [0, 1].map(|side| {
+            let leg = &seen.asset.legs[side];
+            let sole = sole_model(seen.pose, leg).map(|point| world_from_model * point);
+            let hits = sole.map(|point| probe.down(point + Vec3::Y * ABOVE, ABOVE + BELOW));
+            let mut carried = [Vec3::ZERO; 3];
+            for (index, hit) in hits.iter().enumerate() {
+                let Some((entity, now)) = hit.and_then(|hit| Some((hit.entity, grounds.frame(hit.entity)?))) else {
+                    continue;
+                };
+                met.push((entity, now));
+                if let Some((_, last)) = self.grounds.iter().find(|(known, _)| *known == entity) {
+                    carried[index] = sole[index] - *last * (now.inverse() * sole[index]);
+                }
+            }
+            let planted_ball = match seen.holds[side] {
+                Hold::Ball(ground) => {
+                    let ground = ground.or(hits[1].map(|hit| hit.entity));
+                    ground.and_then(|ground| grounds.frame(ground)).map(|frame| frame.inverse() * sole[1])
+                }
+                Hold::Free | Hold::Stance => None,
+            };
+            let extension = extension(seen.pose, leg);
+            let hardest = seen.asset.file.foot_ik.extension.1;
+            FootFrame {
+                sole,
+                ground: hits.map(|hit| hit.map(|hit| hit.point.y)),
+                carried,
+                planted_ball,
+                stance: seen.holds[side] != Hold::Free,
+                // A leg stretches straight toward what it misses: both together are how far the target was.
+                missed: seen.missed[side].filter(|missed| extension + missed / leg.length() <= hardest),
+                extension,
+                knee: knee(seen.pose, leg),
+            }
+        });
+        self.grounds = met;
+        self.clock += dt;
+        let step = self.motion.advance(seen.pose, dt);
+        self.frames.push(Frame {
+            time: self.clock,
+            feet,
+            pelvis: (world_from_model * seen.pose.position(seen.asset.hips)).y,
+            root: seen.root.translation,
+            grounded: seen.grounded,
+            wanted: seen.wanted.with_y(0.0),
+            velocity: seen.velocity.with_y(0.0),
+            pose_speed: step.speed,
+            joint_speed: step.joint_speed,
+            velocity_jump: step.velocity_jump,
+            peak: self.peaks.advance(seen, dt),
+        });
+    }
+}
+
 /// Metres above and below a sole point between which its ground is looked for.
 const ABOVE: f32 = 0.6;
 const BELOW: f32 = 3.0;
+/// Share of the slowest gait's liveliness that no pose is blamed for: feet may step while the body stands.
+const STEP: f32 = 0.5;
+
+/// How lively each clip is, at the frame rate of the recording.
+#[derive(Clone, Debug, Default)]
+struct ClipPeaks {
+    dt: f32,
+    clips: Vec<Peak>,
+    floor: Peak,
+    last: Peak,
+}
+
+impl ClipPeaks {
+    /// The most that what plays now, or played in the last frame, does by itself.
+    fn advance(&mut self, seen: &Seen<'_>, dt: f32) -> Peak {
+        let clips = seen.asset.clips();
+        if self.clips.len() != clips.len() || (self.dt - dt).abs() > 0.02 * dt {
+            self.dt = dt;
+            self.clips = clips.iter().map(|clip| Peak::of(&clip.clip, &seen.asset.skeleton, dt)).collect();
+            let gaits = clips.iter().zip(&self.clips).filter(|(clip, _)| clip.gait.speed > 0.0);
+            let slowest = gaits.min_by(|a, b| a.0.gait.speed.total_cmp(&b.0.gait.speed));
+            self.floor = slowest.map_or_else(Peak::default, |(_, peak)| Peak {
+                joint_speed: STEP * peak.joint_speed,
+                velocity_jump: STEP * peak.velocity_jump,
+            });
+        }
+        let rated = |playing: &Playing| self.clips[playing.clip].at_rate(playing.rate.max(1.0));
+        let now = seen.playing.iter().map(rated).fold(self.floor, Peak::max);
+        now.max(core::mem::replace(&mut self.last, now))
+    }
+}
 
 fn record(
     time: Res<Time>,
@@ -52,6 +189,7 @@ fn record(
     mut characters: Query<(
         &Character,
         &Transform,
+        &MoveIntent,
         &MotionState,
         &Locomotion,
         &CharacterPose,
@@ -64,77 +202,56 @@ fn record(
     if dt <= 0.0 {
         return;
     }
-    for (character, root, motion, locomotion, pose, ik, filter, mut recorder) in &mut characters {
+    for (character, root, intent, motion, locomotion, pose, ik, filter, mut recorder) in &mut characters {
         let Some(asset) = assets.get(character) else { continue };
-        let probe = PhysicsProbe::new(&spatial, &sensors, filter);
-        let world_from_model = root.to_isometry();
-        let feet = [0, 1].map(|side| {
-            let leg = &asset.legs[side];
-            let sole = sole_model(&pose.pose, leg).map(|point| world_from_model * point);
-            let ground = sole.map(|point| probe.down(point + Vec3::Y * ABOVE, ABOVE + BELOW).map(|hit| hit.point.y));
-            FootFrame {
-                sole,
-                ground,
-                planted_ball: planted_ball(ik, locomotion, side, sole, &grounds),
-                stance: stance(ik, locomotion, side),
-                missed: ik.legs[side].missed,
-                extension: extension(&pose.pose, leg),
-                knee: knee(&pose.pose, leg),
-            }
-        });
-        recorder.clock += dt;
-        let (joint_speed, velocity_jump) = recorder.compare(pose, dt);
-        let frame = Frame {
-            time: recorder.clock,
-            feet,
-            pelvis: (world_from_model * pose.pose.position(asset.hips)).y,
-            root: root.translation,
+        let seen = Seen {
+            asset,
+            pose: &pose.pose,
+            root,
             grounded: motion.ground.is_some(),
-            joint_speed,
-            velocity_jump,
+            wanted: intent.velocity,
+            velocity: motion.ground_velocity,
+            holds: [0, 1].map(|side| hold(ik, locomotion, &pose.pose, &asset.legs[side], side)),
+            missed: [0, 1].map(|side| ik.placed[side].map(|_| ik.legs[side].missed)),
+            playing: &playing(asset, locomotion),
         };
-        recorder.frames.push(frame);
+        recorder.record(&seen, &PhysicsProbe::new(&spatial, &sensors, filter), &grounds, dt);
     }
 }
 
-impl Recorder {
-    /// Largest angular speed of a joint, and largest change of a joint's model-space velocity, since the last frame.
-    fn compare(&mut self, pose: &CharacterPose, dt: f32) -> (f32, f32) {
-        let (mut speed, mut jump) = (0.0f32, 0.0f32);
-        let known = self.last.len() == pose.pose.len();
-        for (before, after) in self.last.iter().zip(pose.pose.locals()) {
-            speed = speed.max(angle_between(after.rotation, before.rotation) / dt);
-        }
-        let moving = self.velocities.len() == pose.pose.len();
-        self.velocities.resize(pose.pose.len(), Vec3::ZERO);
-        for (index, model) in pose.pose.models().iter().enumerate() {
-            let position = Vec3::from(model.translation);
-            if known {
-                let velocity = (position - self.positions[index]) / dt;
-                if moving && self.frames.len() > 2 {
-                    jump = jump.max(velocity.distance(self.velocities[index]));
-                }
-                self.velocities[index] = velocity;
-            }
-        }
-        self.positions = pose.pose.models().iter().map(|model| Vec3::from(model.translation)).collect();
-        self.last = pose.pose.locals().to_vec();
-        (speed, jump)
-    }
-}
-
-/// The ball in its ground's frame while the foot is planted on it. Without foot IK, while the clip says so.
-fn planted_ball(ik: &FootIk, locomotion: &Locomotion, side: usize, sole: [Vec3; 3], grounds: &Frames) -> Option<Vec3> {
-    let [heel, ball, _] = sole;
+/// By the plants of foot IK; without foot IK by what the clips say.
+fn hold(ik: &FootIk, locomotion: &Locomotion, pose: &Pose, leg: &Leg, side: usize) -> Hold {
     if ik.weight < 0.01 {
-        return (locomotion.cues[side].contact >= 0.5 && ball.y <= heel.y + 0.005).then_some(ball);
+        return hold_of_clip(pose, leg, locomotion.cues[side].contact);
     }
-    let plant = ik.feet[side].plant().filter(|plant| plant.pivot == Pivot::Ball)?;
-    Some(grounds.frame(plant.ground)?.inverse() * ball)
+    match ik.feet[side].plant() {
+        None => Hold::Free,
+        Some(plant) if plant.pivot == Pivot::Ball => Hold::Ball(Some(plant.ground)),
+        Some(_) => Hold::Stance,
+    }
 }
 
-fn stance(ik: &FootIk, locomotion: &Locomotion, side: usize) -> bool {
-    if ik.weight < 0.01 { locomotion.cues[side].contact >= 0.5 } else { ik.feet[side].plant().is_some() }
+/// What a clip alone says of a foot whose contact weighs `contact`.
+#[must_use]
+pub fn hold_of_clip(pose: &Pose, leg: &Leg, contact: f32) -> Hold {
+    let [heel, ball, _] = sole_model(pose, leg);
+    match contact >= 0.5 {
+        true if ball.y <= heel.y + 0.005 => Hold::Ball(None),
+        true => Hold::Stance,
+        false => Hold::Free,
+    }
+}
+
+fn playing(asset: &CharacterAsset, locomotion: &Locomotion) -> Vec<Playing> {
+    let machine = &locomotion.machine;
+    let heard = (0..machine.len()).filter(|state| machine.weight(*state) > 0.0);
+    heard
+        .filter_map(|state| {
+            let clip = locomotion.clip(asset, state)?;
+            let rate = if machine.is_gait(state) { machine.phase_rate() * clip.clip.duration } else { 1.0 };
+            Some(Playing { clip: asset.clip_index(&clip.name)?, rate })
+        })
+        .collect()
 }
 
 fn extension(pose: &Pose, leg: &Leg) -> f32 {

@@ -2,45 +2,13 @@
 
 use bevy::{math::ops, prelude::*};
 
-/// One foot in one frame, world space, metres.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FootFrame {
-    /// Heel, ball and toe tip of the final pose.
-    pub sole: [Vec3; 3],
-    /// Ground height below each of them; `None` over an abyss.
-    pub ground: [Option<f32>; 3],
-    /// The ball in the frame of the ground that it is planted on, while it is planted on the ball.
-    pub planted_ball: Option<Vec3>,
-    /// Whether the foot is in stance.
-    pub stance: bool,
-    /// Metres by which the ankle missed its target.
-    pub missed: f32,
-    /// Distance from hip to ankle over the leg's length.
-    pub extension: f32,
-    /// Bend of the knee in radians, negative when bent backward.
-    pub knee: f32,
-}
+use super::{
+    frame::{FootFrame, Frame},
+    pelvis::accelerations,
+    start::{Starts, starts},
+};
 
-/// One frame of one character.
-#[derive(Clone, Debug, Default)]
-pub struct Frame {
-    /// Seconds since the recording began.
-    pub time: f32,
-    /// Left and right foot.
-    pub feet: [FootFrame; 2],
-    /// World height of the pelvis joint.
-    pub pelvis: f32,
-    /// World position of the root.
-    pub root: Vec3,
-    /// Whether the character stands on ground.
-    pub grounded: bool,
-    /// Largest angular speed of any joint against its parent, rad/s.
-    pub joint_speed: f32,
-    /// Largest change, since the last frame, of any joint's velocity in model space, m/s.
-    pub velocity_jump: f32,
-}
-
-/// What a run measured.
+/// What a run measured. `None`: nothing in the run could be measured so.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measures {
     /// Per stance the largest horizontal travel of the planted ball in the ground's frame, mm: the median stance.
@@ -49,8 +17,8 @@ pub struct Measures {
     pub drift_p95: f32,
     /// The same, worst stance.
     pub drift_max: f32,
-    /// Mean over frames of v · (2 − 2^clamp(h/2.5 cm, 0, 1)), v the horizontal speed of the lowest sole point and h its
-    /// height over ground, cm/s (Zhang et al. 2018, "Mode-Adaptive Neural Networks", 8.1).
+    /// Mean over frames of v · (2 − 2^clamp(h/2.5 cm, 0, 1)), v the horizontal speed over the ground of the lowest sole
+    /// point and h its height, cm/s (Zhang et al. 2018, "Mode-Adaptive Neural Networks", 8.1).
     pub skate: f32,
     /// Depth of sole points under ground, mm, 99th percentile of frames.
     pub penetration_p99: f32,
@@ -64,89 +32,110 @@ pub struct Measures {
     pub knee_change: f32,
     /// Largest distance from hip to ankle over the leg's length.
     pub extension_max: f32,
-    /// Vertical acceleration of the pelvis, m/s², 99th percentile.
+    /// Largest angular speed of a joint over the largest of the clips then playing.
+    ///
+    /// While no gait plays, half of the slowest gait counts: feet step where the ground or a turn asks for it.
+    pub pop_speed: f32,
+    /// Largest change of a joint's model-space velocity from frame to frame, over the largest of the clips then playing.
+    pub pop_jump: f32,
+    /// Vertical acceleration of the pelvis, m/s², 99th percentile; without jumps, falls and their landings.
     pub pelvis_p99: f32,
     /// The largest.
     pub pelvis_max: f32,
-    /// Distance by which an ankle missed its target, mm, mean.
-    pub reach_mean: f32,
+    /// The largest within 0.3 s after a landing from a jump or fall.
+    pub pelvis_landing: Option<f32>,
+    /// Distance by which an ankle missed a target within the leg's reach, mm, mean.
+    pub reach_mean: Option<f32>,
     /// The largest.
-    pub reach_max: f32,
-    /// Largest angular speed of a joint, degrees/s.
-    pub joint_speed_max: f32,
-    /// Largest change of a joint's model-space velocity from frame to frame, m/s.
-    pub velocity_jump_max: f32,
+    pub reach_max: Option<f32>,
+    /// Frames from an intent to the first change of the pose of one who stands, that frame included; the slowest start.
+    pub start_frames: Option<f32>,
+    /// Seconds until 63 % of a walk's speed; the slowest start.
+    pub walk_63: Option<f32>,
+    /// Seconds until 90 % of a walk's speed.
+    pub walk_90: Option<f32>,
+    /// Seconds until 63 % of a run's speed; the slowest start.
+    pub run_63: Option<f32>,
+    /// Seconds until 90 % of a run's speed.
+    pub run_90: Option<f32>,
     /// How many stances the figures come from.
     pub stances: usize,
 }
 
 /// Height in metres below which a foot's sliding counts.
 const SKATE_HEIGHT: f32 = 0.025;
+/// Bend in radians from which a knee is bent backward; rounding is less.
+const BACKWARD: f32 = -0.5 * core::f32::consts::PI / 180.0;
 
 /// Figures of a run, in order of time.
 #[must_use]
 pub fn summarize(frames: &[Frame]) -> Measures {
-    let mut drifts = drifts(frames);
-    let mut penetration = Vec::new();
-    let mut float = Vec::new();
-    let mut reach = Vec::new();
-    let mut knee_change = 0.0f32;
-    let mut hyperextended = 0;
-    let mut extension: f32 = 0.0;
-    for frame in frames {
-        for foot in &frame.feet {
-            let depth = heights(foot).map(|height| -height).fold(0.0f32, f32::max);
-            penetration.push(depth * 1000.0);
-            if foot.stance
-                && frame.grounded
-                && let Some(lowest) = heights(foot).min_by(f32::total_cmp)
-            {
-                float.push(lowest.max(0.0) * 1000.0);
-            }
-            reach.push(foot.missed * 1000.0);
-            extension = extension.max(foot.extension);
-            hyperextended += usize::from(foot.knee < -0.5f32.to_radians());
-        }
+    summarize_all(&[frames])
+}
+
+/// Figures of several runs together, each in order of time.
+#[must_use]
+pub fn summarize_all(runs: &[&[Frame]]) -> Measures {
+    let frames = || runs.iter().copied().flatten();
+    let feet = || frames().flat_map(|frame| &frame.feet);
+    let mut drifts: Vec<f32> = runs.iter().flat_map(|run| drifts(run)).collect();
+    let depth = |heights: &mut dyn Iterator<Item = f32>| heights.map(|height| -height).fold(0.0f32, f32::max);
+    let mut penetration: Vec<f32> = feet().map(|foot| depth(&mut foot.heights()) * 1000.0).collect();
+    let stances = frames().filter(|frame| frame.grounded).flat_map(|frame| &frame.feet).filter(|foot| foot.stance);
+    let mut float: Vec<f32> = stances.filter_map(|foot| foot.lowest()).map(|(_, h)| h.max(0.0) * 1000.0).collect();
+    let mut reach: Vec<f32> = feet().filter_map(|foot| foot.missed).map(|missed| missed * 1000.0).collect();
+    let reach_mean = (!reach.is_empty()).then(|| reach.iter().sum::<f32>() / reach.len() as f32);
+    let (mut pelvis, mut landing) = (Vec::new(), None);
+    for run in runs {
+        let found = accelerations(run);
+        pelvis.extend(found.on_ground);
+        landing = found.landing.into_iter().chain(landing).reduce(f32::max);
     }
-    for pair in frames.windows(2) {
-        let dt = (pair[1].time - pair[0].time).max(1e-4);
-        for (before, after) in pair[0].feet.iter().zip(&pair[1].feet) {
-            let per_frame = (after.knee - before.knee).abs() / dt / 60.0;
-            knee_change = knee_change.max(per_frame.to_degrees());
-        }
-    }
-    let mut accelerations: Vec<f32> = frames
-        .windows(3)
-        .map(|f| {
-            let (a, b) = ((f[1].time - f[0].time).max(1e-4), (f[2].time - f[1].time).max(1e-4));
-            (((f[2].pelvis - f[1].pelvis) / b - (f[1].pelvis - f[0].pelvis) / a) / (0.5 * (a + b))).abs()
-        })
-        .collect();
-    let mean = |values: &[f32]| if values.is_empty() { 0.0 } else { values.iter().sum::<f32>() / values.len() as f32 };
+    let starts = runs.iter().map(|run| starts(run)).fold(Starts::default(), Starts::slowest);
+    let largest = |of: &dyn Fn(&Frame) -> f32| frames().map(of).fold(0.0, f32::max);
     Measures {
         stances: drifts.len(),
         drift_median: percentile(&mut drifts, 0.5),
         drift_p95: percentile(&mut drifts, 0.95),
         drift_max: percentile(&mut drifts, 1.0),
-        skate: skate(frames),
+        skate: skate(runs),
         penetration_p99: percentile(&mut penetration, 0.99),
         penetration_max: percentile(&mut penetration, 1.0),
         float_p95: percentile(&mut float, 0.95),
-        knee_hyperextended: hyperextended,
-        knee_change,
-        extension_max: extension,
-        pelvis_p99: percentile(&mut accelerations, 0.99),
-        pelvis_max: percentile(&mut accelerations, 1.0),
-        reach_mean: mean(&reach),
-        reach_max: percentile(&mut reach, 1.0),
-        joint_speed_max: frames.iter().map(|f| f.joint_speed).fold(0.0, f32::max).to_degrees(),
-        velocity_jump_max: frames.iter().map(|f| f.velocity_jump).fold(0.0, f32::max),
+        knee_hyperextended: feet().filter(|foot| foot.knee < BACKWARD).count(),
+        knee_change: knee_change(runs),
+        extension_max: feet().map(|foot| foot.extension).fold(0.0, f32::max),
+        pop_speed: largest(&|frame| over(frame.joint_speed, frame.peak.joint_speed)),
+        pop_jump: largest(&|frame| over(frame.velocity_jump, frame.peak.velocity_jump)),
+        pelvis_p99: percentile(&mut pelvis, 0.99),
+        pelvis_max: percentile(&mut pelvis, 1.0),
+        pelvis_landing: landing,
+        reach_mean,
+        reach_max: reach_mean.map(|_| percentile(&mut reach, 1.0)),
+        start_frames: starts.frames,
+        walk_63: starts.walk.map(|[most, _]| most),
+        walk_90: starts.walk.map(|[_, nearly]| nearly),
+        run_63: starts.run.map(|[most, _]| most),
+        run_90: starts.run.map(|[_, nearly]| nearly),
     }
 }
 
-/// Heights of the sole's points over the ground below them, metres.
-fn heights(foot: &FootFrame) -> impl Iterator<Item = f32> {
-    foot.sole.iter().zip(foot.ground).filter_map(|(point, ground)| ground.map(|ground| point.y - ground))
+/// `value` over `reference`; 0 where no clip says what is usual.
+fn over(value: f32, reference: f32) -> f32 {
+    if reference > 0.0 { value / reference } else { 0.0 }
+}
+
+/// Both frames of each foot in neighbouring frames, and the seconds between.
+fn steps<'a>(runs: &[&'a [Frame]]) -> impl Iterator<Item = (&'a FootFrame, &'a FootFrame, f32)> {
+    runs.iter().flat_map(|run| run.windows(2)).flat_map(|pair| {
+        let dt = (pair[1].time - pair[0].time).max(1e-4);
+        pair[0].feet.iter().zip(&pair[1].feet).map(move |(before, after)| (before, after, dt))
+    })
+}
+
+fn knee_change(runs: &[&[Frame]]) -> f32 {
+    let change = |(before, after, dt): (&FootFrame, &FootFrame, f32)| (after.knee - before.knee).abs() / dt / 60.0;
+    steps(runs).map(change).fold(0.0, f32::max).to_degrees()
 }
 
 /// Per stance the largest horizontal distance of the planted ball from where it was planted, mm.
@@ -176,19 +165,14 @@ fn drifts(frames: &[Frame]) -> Vec<f32> {
     stances
 }
 
-fn skate(frames: &[Frame]) -> f32 {
+fn skate(runs: &[&[Frame]]) -> f32 {
     let (mut sum, mut count) = (0.0f32, 0usize);
-    for pair in frames.windows(2) {
-        let dt = (pair[1].time - pair[0].time).max(1e-4);
-        for (before, after) in pair[0].feet.iter().zip(&pair[1].feet) {
-            let heights = after.sole.iter().zip(after.ground).enumerate();
-            let lowest = heights.filter_map(|(i, (p, g))| g.map(|g| (i, p.y - g))).min_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((point, height)) = lowest else { continue };
-            let speed = (after.sole[point] - before.sole[point]).with_y(0.0).length() / dt;
-            let share = 2.0 - ops::exp2((height / SKATE_HEIGHT).clamp(0.0, 1.0));
-            sum += speed * share * 100.0;
-            count += 1;
-        }
+    for (before, after, dt) in steps(runs) {
+        let Some((point, height)) = after.lowest() else { continue };
+        let moved = after.sole[point] - before.sole[point] - after.carried[point];
+        let share = 2.0 - ops::exp2((height / SKATE_HEIGHT).clamp(0.0, 1.0));
+        sum += moved.with_y(0.0).length() / dt * share * 100.0;
+        count += 1;
     }
     if count == 0 { 0.0 } else { sum / count as f32 }
 }
@@ -206,6 +190,7 @@ fn percentile(values: &mut [f32], share: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::Peak;
 
     fn frame(time: f32, x: f32, height: f32) -> Frame {
         let foot = FootFrame {
@@ -218,19 +203,55 @@ mod tests {
         Frame { time, feet: [foot; 2], grounded: true, ..default() }
     }
 
+    fn frames(count: usize, of: impl Fn(usize) -> Frame) -> Vec<Frame> {
+        (0..count).map(of).collect()
+    }
+
     #[test]
     fn a_sliding_foot_drifts_and_skates() {
-        let frames: Vec<Frame> = (0..61).map(|i| frame(i as f32 / 60.0, i as f32 * 0.001, 0.0)).collect();
-        let got = summarize(&frames);
+        let got = summarize(&frames(61, |i| frame(i as f32 / 60.0, i as f32 * 0.001, 0.0)));
         assert!((got.drift_max - 60.0).abs() < 0.1, "drift {} mm", got.drift_max);
         assert!((got.skate - 6.0).abs() < 0.1, "skate {} cm/s", got.skate);
     }
 
     #[test]
+    fn a_foot_that_rides_on_its_ground_does_not_skate() {
+        let got = summarize(&frames(61, |i| {
+            let mut frame = frame(i as f32 / 60.0, i as f32 * 0.01, 0.0);
+            frame.feet.iter_mut().for_each(|foot| foot.carried = [Vec3::X * 0.01; 3]);
+            frame
+        }));
+        assert!(got.skate < 1e-3, "skate {} cm/s", got.skate);
+    }
+
+    #[test]
     fn a_sunk_foot_penetrates_and_a_raised_one_floats() {
-        let sunk: Vec<Frame> = (0..10).map(|i| frame(i as f32 / 60.0, 0.0, -0.02)).collect();
+        let sunk = frames(10, |i| frame(i as f32 / 60.0, 0.0, -0.02));
         assert!((summarize(&sunk).penetration_max - 20.0).abs() < 1e-3);
-        let raised: Vec<Frame> = (0..10).map(|i| frame(i as f32 / 60.0, 0.0, 0.03)).collect();
+        let raised = frames(10, |i| frame(i as f32 / 60.0, 0.0, 0.03));
         assert!((summarize(&raised).float_p95 - 30.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_pop_is_told_against_the_clips_then_playing() {
+        let lively = Peak { joint_speed: 8.0, velocity_jump: 0.5 };
+        let calm = Peak { joint_speed: 2.0, velocity_jump: 0.1 };
+        let got = summarize(&frames(9, |i| {
+            let peak = if i < 5 { lively } else { calm };
+            Frame { peak, joint_speed: peak.joint_speed, velocity_jump: 0.3, ..frame(i as f32 / 60.0, 0.0, 0.0) }
+        }));
+        assert!((got.pop_speed - 1.0).abs() < 1e-5, "angular speed {} of the clips'", got.pop_speed);
+        assert!((got.pop_jump - 3.0).abs() < 1e-5, "velocity jump {} of the clips'", got.pop_jump);
+    }
+
+    #[test]
+    fn without_targets_there_is_no_reach_to_miss() {
+        assert_eq!(summarize(&frames(5, |i| frame(i as f32 / 60.0, 0.0, 0.0))).reach_max, None);
+        let missed = summarize(&frames(5, |i| {
+            let mut frame = frame(i as f32 / 60.0, 0.0, 0.0);
+            frame.feet[0].missed = Some(0.004);
+            frame
+        }));
+        assert!((missed.reach_max.unwrap() - 4.0).abs() < 1e-4, "missed by {:?} mm", missed.reach_max);
     }
 }

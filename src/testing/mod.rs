@@ -1,8 +1,11 @@
 //! Layer 4: the public headless harness: hold your own characters and levels to the same measures.
 //!
 //! [`Stage`] is an app without window or GPU, stepped frame by frame; [`World`] is ground to walk on; [`Tape`] is what a
-//! player would press.
+//! player would press; [`gauntlet`] plays many tapes on many
+//! worlds and holds what it measures to bars.
 
+pub mod gauntlet;
+mod grounds;
 mod stage;
 mod tape;
 mod world;

@@ -15,6 +15,7 @@ use crate::{
     SurefootPlugins,
     character::{Character, intent::MoveIntent, motion::MotionState},
     measure::{
+        frame::Frame,
         record::{MeasurePlugin, Recorder},
         summary::{Measures, summarize},
     },
@@ -92,25 +93,47 @@ impl Stage {
     /// # Errors
     /// When its files can't be loaded.
     pub fn spawn_character(&mut self, path: &str, place: Transform) -> Result<Entity, StageError> {
-        let handle: Handle<CharacterAsset> = self.app.world().resource::<AssetServer>().load(path.to_owned());
-        self.load(&handle, path)?;
-        let entity = self.app.world_mut().spawn((Character(handle), place, Recorder::default())).id();
+        let handle = self.load(path)?;
+        Ok(self.put(&handle, &[place])[0])
+    }
+
+    /// Puts characters of a loaded file on the stage, their feet at `places`.
+    pub fn spawn_loaded(&mut self, asset: CharacterAsset, places: &[Transform]) -> Vec<Entity> {
+        let handle = self.app.world_mut().resource_mut::<Assets<CharacterAsset>>().add(asset);
+        self.put(&handle, places)
+    }
+
+    /// A character's file and all that it names.
+    ///
+    /// # Errors
+    /// When it can't be loaded.
+    pub fn load_character(&mut self, path: &str) -> Result<CharacterAsset, StageError> {
+        let handle = self.load(path)?;
+        let asset = self.app.world().resource::<Assets<CharacterAsset>>().get(&handle).cloned();
+        asset.ok_or_else(|| StageError::Load { path: path.to_owned(), reason: "it vanished".to_owned() })
+    }
+
+    fn put(&mut self, handle: &Handle<CharacterAsset>, places: &[Transform]) -> Vec<Entity> {
+        let bundles: Vec<_> =
+            places.iter().map(|place| (Character(handle.clone()), *place, Recorder::default())).collect();
+        let entities = self.app.world_mut().spawn_batch(bundles).collect();
         // One frame to bind, one to stand.
         self.app.update();
         self.app.update();
-        Ok(entity)
+        entities
     }
 
-    fn load(&mut self, handle: &Handle<CharacterAsset>, path: &str) -> Result<(), StageError> {
+    fn load(&mut self, path: &str) -> Result<Handle<CharacterAsset>, StageError> {
+        let handle: Handle<CharacterAsset> = self.app.world().resource::<AssetServer>().load(path.to_owned());
         let error = |reason: String| StageError::Load { path: path.to_owned(), reason };
         // Time stands still while files load.
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
         let mut outcome = Err(error("still not loaded after 20 s".to_owned()));
         for _ in 0..LOAD_UPDATES {
             self.app.update();
-            match self.app.world().resource::<AssetServer>().get_load_state(handle) {
+            match self.app.world().resource::<AssetServer>().get_load_state(&handle) {
                 Some(LoadState::Loaded) => {
-                    outcome = Ok(());
+                    outcome = Ok(handle);
                     break;
                 }
                 Some(LoadState::Failed(reason)) => {
@@ -137,7 +160,7 @@ impl Stage {
         let body = if piece.motion.is_some() { RigidBody::Kinematic } else { RigidBody::Static };
         let mut entity = self.app.world_mut().spawn((body, piece.collider(), piece.transform));
         if let Some((velocity, turn)) = piece.motion {
-            entity.insert((LinearVelocity(velocity), AngularVelocity(Vec3::Y * turn)));
+            entity.insert((LinearVelocity(velocity), AngularVelocity(Vec3::Y * turn), TransformInterpolation));
         }
         entity.id()
     }
@@ -165,8 +188,15 @@ impl Stage {
 
     /// Plays a whole tape.
     pub fn play(&mut self, character: Entity, tape: &Tape) -> &mut Self {
+        self.play_all(&[character], tape)
+    }
+
+    /// Plays a whole tape to all of them.
+    pub fn play_all(&mut self, characters: &[Entity], tape: &Tape) -> &mut Self {
         for frame in 0..(tape.seconds / self.dt).round() as usize {
-            self.intend(character, tape.intent_at(frame as f32 * self.dt));
+            for character in characters {
+                self.intend(*character, tape.intent_at(frame as f32 * self.dt));
+            }
             self.app.update();
         }
         self
@@ -192,7 +222,13 @@ impl Stage {
     /// Figures of what was recorded.
     #[must_use]
     pub fn measures(&self, character: Entity) -> Measures {
-        self.get::<Recorder>(character).map_or_else(Measures::default, |recorder| summarize(&recorder.frames))
+        summarize(self.frames(character))
+    }
+
+    /// What was recorded.
+    #[must_use]
+    pub fn frames(&self, character: Entity) -> &[Frame] {
+        self.get::<Recorder>(character).map_or(&[], |recorder| &recorder.frames)
     }
 
     /// A component of the character.

@@ -1,9 +1,9 @@
-//! Grounds to walk on, as data. Metres; walkers start at the origin on ground of height 0 and go along -Z.
-
-use core::f32::consts::FRAC_PI_2;
+//! Solids to walk on, as data. World space, metres, +Y up.
 
 use avian3d::prelude::*;
-use bevy::{math::ops, prelude::*};
+use bevy::prelude::*;
+
+use crate::measure::bars::Bars;
 
 /// A solid's form.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,120 +52,65 @@ impl Piece {
 }
 
 impl World {
-    fn new(name: &str, pieces: Vec<Piece>) -> Self {
+    /// Ground of these solids.
+    #[must_use]
+    pub fn new(name: &str, pieces: Vec<Piece>) -> Self {
         Self { name: name.to_owned(), pieces }
     }
 
-    /// A plain.
+    /// Whether it is one level plain that stands still.
     #[must_use]
-    pub fn flat() -> Self {
-        Self::new("flat", vec![floor()])
+    pub fn is_level(&self) -> bool {
+        let flat = |piece: &Piece| matches!(piece.shape, Shape::Box(_)) && (piece.transform.up().y - 1.0).abs() < 1e-6;
+        matches!(self.pieces.as_slice(), [piece] if flat(piece) && piece.motion.is_none())
     }
 
-    /// A plane that rises along -Z by `degrees`, through the origin.
+    /// What walking on it is held to.
     #[must_use]
-    pub fn slope(degrees: f32) -> Self {
-        let turn = Quat::from_rotation_x(degrees.to_radians());
-        let centre = turn * Vec3::new(0.0, -0.5, 0.0);
-        let transform = Transform::from_translation(centre).with_rotation(turn);
-        Self::new(&format!("slope {degrees}°"), vec![Piece::block(Vec3::new(80.0, 1.0, 80.0), transform)])
+    pub fn bars(&self) -> Bars {
+        if self.is_level() { Bars::flat() } else { Bars::default() }
     }
 
-    /// A plain, from z = -3 on a ramp of `degrees` up to a plateau 2 m high.
+    /// The same places, each on the ground; those over an abyss are left out.
     #[must_use]
-    pub fn ramp(degrees: f32) -> Self {
-        let rise = 2.0;
-        let angle = degrees.to_radians();
-        let run = rise / ops::tan(angle);
-        let length = rise / ops::sin(angle);
-        let turn = Quat::from_rotation_x(angle);
-        let middle = Vec3::new(0.0, rise / 2.0, -3.0 - run / 2.0);
-        let ramp = Piece::block(
-            Vec3::new(6.0, 1.0, length),
-            Transform::from_translation(middle - turn * Vec3::Y * 0.5).with_rotation(turn),
-        );
-        let top = Vec3::new(0.0, rise - 1.0, -3.0 - run - 10.0);
-        let plateau = Piece::block(Vec3::new(6.0, 2.0, 20.0), Transform::from_translation(top));
-        Self::new(&format!("ramp {degrees}°"), vec![floor(), ramp, plateau])
-    }
-
-    /// A plain, from z = -3 on `steps` stairs of the given riser and tread up to a plateau.
-    #[must_use]
-    pub fn stairs_up(steps: usize, riser: f32, tread: f32) -> Self {
-        let mut pieces = vec![floor()];
-        for step in 0..steps {
-            let height = riser * (step + 1) as f32;
-            let front = -3.0 - tread * step as f32;
-            let depth = if step + 1 == steps { 20.0 } else { tread };
-            let centre = Vec3::new(0.0, height / 2.0, front - depth / 2.0);
-            pieces.push(Piece::block(Vec3::new(6.0, height, depth), Transform::from_translation(centre)));
-        }
-        Self::new("stairs up", pieces)
-    }
-
-    /// A plateau; from z = -3 on `steps` stairs down to a plain.
-    #[must_use]
-    pub fn stairs_down(steps: usize, riser: f32, tread: f32) -> Self {
-        let bottom = -riser * steps as f32;
-        let plain = Piece::block(Vec3::new(200.0, 1.0, 200.0), Transform::from_xyz(0.0, bottom - 0.5, 0.0));
-        let mut pieces = vec![plain];
-        for step in 0..steps {
-            let top = -riser * step as f32;
-            let front = if step == 0 { 20.0 } else { -3.0 - tread * (step - 1) as f32 };
-            let back = -3.0 - tread * step as f32;
-            let (height, depth) = (top - bottom, front - back);
-            let centre = Vec3::new(0.0, bottom + height / 2.0, (front + back) / 2.0);
-            pieces.push(Piece::block(Vec3::new(6.0, height, depth), Transform::from_translation(centre)));
-        }
-        Self::new("stairs down", pieces)
-    }
-
-    /// A plain strewn with flat boxes up to 15 cm high.
-    #[must_use]
-    pub fn rubble() -> Self {
-        let mut pieces = vec![floor()];
-        let mut seed = 0x9E37_79B9u32;
-        let mut random = || {
-            // xorshift32: the same rubble everywhere.
-            seed ^= seed << 13;
-            seed ^= seed >> 17;
-            seed ^= seed << 5;
-            (seed >> 8) as f32 / 16_777_216.0
-        };
-        for _ in 0..220 {
-            let size = Vec3::new(0.25 + 0.5 * random(), 0.03 + 0.12 * random(), 0.25 + 0.5 * random());
-            let place = Vec3::new(6.0 * random() - 3.0, size.y / 2.0, -1.5 - 16.0 * random());
-            let turn = Quat::from_rotation_y(FRAC_PI_2 * random());
-            pieces.push(Piece::block(size, Transform::from_translation(place).with_rotation(turn)));
-        }
-        Self::new("rubble", pieces)
-    }
-
-    /// Rolling ground: waves of some metres' length, slopes to about 20°.
-    #[must_use]
-    pub fn hills() -> Self {
-        let (count, side) = (161, 80.0f32);
-        let at = |i: usize| (i as f32 / (count - 1) as f32 - 0.5) * side;
-        let height = |x: f32, z: f32| {
-            let wave = |angle: f32, length: f32, size: f32| {
-                let along = x * ops::cos(angle) + z * ops::sin(angle);
-                size * (ops::cos(along * core::f32::consts::TAU / length) - 1.0)
+    pub fn on_ground(&self, places: &[Transform]) -> Vec<Transform> {
+        let solids: Vec<_> = self.pieces.iter().map(|piece| (piece.collider(), piece.transform)).collect();
+        let height = |place: &Transform| {
+            let start = place.translation.with_y(SKY);
+            let hit = |(collider, at): &(Collider, Transform)| {
+                let hit = collider.cast_ray(at.translation, at.rotation, start, Vec3::NEG_Y, 2.0 * SKY, true);
+                hit.map(|(distance, _)| SKY - distance)
             };
-            wave(0.4, 9.0, 0.3) + wave(1.9, 5.3, 0.12) + wave(2.8, 14.0, 0.5)
+            solids.iter().filter_map(hit).reduce(f32::max)
         };
-        let heights = (0..count).map(|x| (0..count).map(|z| height(at(x), at(z))).collect()).collect();
-        let piece = Piece { shape: Shape::Heightfield(heights, side), transform: Transform::IDENTITY, motion: None };
-        Self::new("hills", vec![piece])
-    }
-
-    /// A plain with a wall across the way at z = -4.
-    #[must_use]
-    pub fn wall() -> Self {
-        let wall = Piece::block(Vec3::new(20.0, 3.0, 0.5), Transform::from_xyz(0.0, 1.5, -4.25));
-        Self::new("wall", vec![floor(), wall])
+        places
+            .iter()
+            .filter_map(|place| Some(place.with_translation(place.translation.with_y(height(place)?))))
+            .collect()
     }
 }
 
-fn floor() -> Piece {
-    Piece::block(Vec3::new(200.0, 1.0, 200.0), Transform::from_xyz(0.0, -0.5, 0.0))
+/// Metres above all ground.
+const SKY: f32 = 100.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_come_to_lie_on_the_highest_solid() {
+        let places = [Transform::from_xyz(0.0, 9.0, 0.0), Transform::from_xyz(0.0, 0.0, -3.1)];
+        let heights: Vec<f32> =
+            World::stairs_up(4, 0.17, 0.29).on_ground(&places).iter().map(|place| place.translation.y).collect();
+        assert!(heights[0].abs() < 1e-4 && (heights[1] - 0.17).abs() < 1e-4, "on {heights:?}");
+        assert!(World::cliff().on_ground(&[Transform::from_xyz(500.0, 0.0, 0.0)]).is_empty(), "over an abyss");
+    }
+
+    #[test]
+    fn only_the_plain_is_level() {
+        assert!(World::flat().is_level());
+        for world in [World::slope(10.0), World::hills(), World::curb(), World::moving_platform()] {
+            assert!(!world.is_level(), "{} is not level", world.name);
+        }
+    }
 }

@@ -15,6 +15,7 @@ mod mannequin;
 mod motion;
 #[cfg(feature = "render")]
 mod pictures;
+mod quality;
 #[cfg(feature = "render")]
 mod render_support;
 mod rig;

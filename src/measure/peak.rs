@@ -1,0 +1,100 @@
+//! The liveliest moment of a clip: what a pose may do without looking like a pop.
+
+use bevy::prelude::*;
+
+use crate::{
+    anim::{clip::Clip, pose::Pose, skeleton::Skeleton},
+    math::rotation::angle_between,
+};
+
+/// Largest angular speed and largest jump of velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Peak {
+    /// Angular speed of a joint against its parent, rad/s.
+    pub joint_speed: f32,
+    /// Change of a joint's velocity in model space from one frame to the next, m/s.
+    pub velocity_jump: f32,
+}
+
+impl Peak {
+    /// The liveliest moment of `clip`, played at its own speed in frames of `dt` seconds.
+    #[must_use]
+    pub fn of(clip: &Clip, skeleton: &Skeleton, dt: f32) -> Self {
+        let mut motion = JointMotion::default();
+        let mut pose = Pose::rest(skeleton);
+        let mut peak = Self::default();
+        // Two frames more than the clip has, so that the seam of a loop is seen.
+        let count = if dt > 0.0 { (clip.duration / dt) as usize + 3 } else { 0 };
+        for frame in 0..count {
+            clip.sample(skeleton, frame as f32 * dt, pose.locals_mut());
+            pose.update_model(skeleton);
+            let step = motion.advance(&pose, dt);
+            peak = peak.max(Self { joint_speed: step.joint_speed, velocity_jump: step.velocity_jump });
+        }
+        peak
+    }
+
+    /// The larger of each.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            joint_speed: self.joint_speed.max(other.joint_speed),
+            velocity_jump: self.velocity_jump.max(other.velocity_jump),
+        }
+    }
+
+    /// Played `rate` times as fast: speeds grow with the rate, changes of speed with its square.
+    #[must_use]
+    pub fn at_rate(self, rate: f32) -> Self {
+        Self { joint_speed: self.joint_speed * rate, velocity_jump: self.velocity_jump * rate * rate }
+    }
+}
+
+/// How a pose moved from the last frame to this one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PoseStep {
+    /// Largest speed of a joint in model space, m/s.
+    pub(super) speed: f32,
+    /// Largest angular speed of a joint against its parent, rad/s.
+    pub(super) joint_speed: f32,
+    /// Largest change of a joint's model-space velocity, m/s.
+    pub(super) velocity_jump: f32,
+}
+
+/// Follows all joints of a pose from frame to frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct JointMotion {
+    rotations: Vec<Quat>,
+    positions: Vec<Vec3>,
+    velocities: Vec<Vec3>,
+    frames: usize,
+}
+
+impl JointMotion {
+    /// One frame. The first gives zeros, the second no velocity jump.
+    pub(super) fn advance(&mut self, pose: &Pose, dt: f32) -> PoseStep {
+        let mut step = PoseStep::default();
+        if self.positions.len() != pose.len() {
+            self.frames = 0;
+            self.rotations.resize(pose.len(), Quat::IDENTITY);
+            self.positions.resize(pose.len(), Vec3::ZERO);
+            self.velocities.resize(pose.len(), Vec3::ZERO);
+        }
+        for (index, (local, model)) in pose.locals().iter().zip(pose.models()).enumerate() {
+            let position = Vec3::from(model.translation);
+            let velocity = (position - self.positions[index]) / dt;
+            if self.frames > 0 {
+                step.speed = step.speed.max(velocity.length());
+                step.joint_speed = step.joint_speed.max(angle_between(local.rotation, self.rotations[index]) / dt);
+            }
+            if self.frames > 1 {
+                step.velocity_jump = step.velocity_jump.max(velocity.distance(self.velocities[index]));
+            }
+            self.rotations[index] = local.rotation;
+            self.positions[index] = position;
+            self.velocities[index] = velocity;
+        }
+        self.frames += 1;
+        step
+    }
+}

@@ -1,0 +1,69 @@
+//! How good the walk is, world by world, held to the bars of `measure::bars`.
+
+use std::{collections::BTreeSet, sync::OnceLock};
+
+use surefoot::{
+    measure::table::Table,
+    rig::character::CharacterAsset,
+    testing::{
+        Stage, World,
+        gauntlet::{Job, assert_within, courses, run},
+    },
+};
+
+/// The mannequin, loaded once.
+fn mannequin() -> &'static CharacterAsset {
+    static MANNEQUIN: OnceLock<CharacterAsset> = OnceLock::new();
+    MANNEQUIN.get_or_init(|| Stage::on(&World::flat()).load_character("mannequin.character.ron").unwrap())
+}
+
+fn assert_bars_hold_on(world: &str) {
+    let courses = courses().into_iter().filter(|course| course.world.name == world);
+    let jobs: Vec<Job> = courses.map(|course| Job { course, foot_ik: true }).collect();
+    assert!(!jobs.is_empty(), "no course is on {world}");
+    let rows = run(&jobs, mannequin(), |_| ());
+    for row in &rows {
+        println!("{} / {}\n{}", row.world, row.tape, Table(&row.bars.rows(&row.measures)));
+    }
+    assert_within(&rows);
+}
+
+/// One test a world, and a list of all their worlds.
+macro_rules! tests {
+    ($($test:ident: $world:literal,)*) => {
+        const WORLDS: &[&str] = &[$($world),*];
+        $(
+            #[test]
+            fn $test() {
+                assert_bars_hold_on($world);
+            }
+        )*
+    };
+}
+
+tests! {
+    on_the_flat: "flat",
+    on_a_ramp_of_10_degrees: "ramp 10°",
+    on_a_ramp_of_20_degrees: "ramp 20°",
+    on_a_ramp_of_30_degrees: "ramp 30°",
+    on_a_slope_of_10_degrees: "slope 10°",
+    on_a_slope_of_20_degrees: "slope 20°",
+    on_a_slope_of_30_degrees: "slope 30°",
+    on_stairs_up: "stairs up",
+    on_stairs_down: "stairs down",
+    on_rubble: "rubble",
+    on_a_ridge: "ridge",
+    on_stepping_stones: "stepping stones",
+    on_hills: "hills",
+    over_curbs: "curb",
+    on_a_moving_platform: "moving platform",
+    on_a_rotating_platform: "rotating platform",
+    along_a_cliff: "cliff edge",
+}
+
+#[test]
+fn every_world_of_the_gauntlet_has_its_test() {
+    let worlds: BTreeSet<String> = courses().into_iter().map(|course| course.world.name).collect();
+    let tested: BTreeSet<String> = WORLDS.iter().map(ToString::to_string).collect();
+    assert_eq!(worlds, tested);
+}
