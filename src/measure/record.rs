@@ -108,7 +108,11 @@ impl Recorder {
             let planted_ball = match seen.holds[side] {
                 Hold::Ball(ground) => {
                     let ground = ground.or(hits[1].map(|hit| hit.entity));
-                    ground.and_then(|ground| grounds.frame(ground)).map(|frame| frame.inverse() * sole[1])
+                    // Without what it moves along the world's vertical: a foot that lifts off a slope doesn't drift.
+                    ground.and_then(|ground| grounds.frame(ground)).map(|frame| {
+                        let into = frame.inverse();
+                        (into * sole[1]).reject_from_normalized(into.rotation * Vec3::Y)
+                    })
                 }
                 Hold::Free | Hold::Stance => None,
             };

@@ -146,7 +146,7 @@ fn drifts(frames: &[Frame]) -> Vec<f32> {
         let mut furthest = 0.0f32;
         for foot in frames.iter().map(|frame| &frame.feet[side]) {
             match (foot.planted_ball, start) {
-                (Some(ball), Some(first)) => furthest = furthest.max((ball - first).with_y(0.0).length() * 1000.0),
+                (Some(ball), Some(first)) => furthest = furthest.max((ball - first).length() * 1000.0),
                 (Some(ball), None) => {
                     start = Some(ball);
                     furthest = 0.0;

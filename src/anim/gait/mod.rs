@@ -114,6 +114,15 @@ impl Gait {
         self.contact[foot].iter().map(until).reduce(f32::min)
     }
 
+    /// Share of its swing, 0..1, that a foot has made at `phase`; 1 while it stands, and if it never lands.
+    #[must_use]
+    pub fn swing_share(&self, foot: usize, phase: f32) -> f32 {
+        let left = self.phase_to_landing(foot, phase).unwrap_or(0.0);
+        let before = |contact: &Contact| wrapped(phase - contact.end);
+        let passed = self.contact[foot].iter().map(before).reduce(f32::min).unwrap_or(0.0);
+        if left > 0.0 { passed / (passed + left) } else { 1.0 }
+    }
+
     /// Phase from `phase` until the foot lifts: 0 in swing, `None` when it never does.
     #[must_use]
     pub fn phase_to_lift(&self, foot: usize, phase: f32) -> Option<f32> {

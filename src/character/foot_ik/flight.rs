@@ -1,25 +1,111 @@
-//! A foot in the air: where it will land, and how it gets there over what lies between.
+//! A foot in the air: from where it left to where it will land, over what lies between.
 //!
-//! World space, metres, +Y up.
+//! World space, metres, +Y up. What the flight adds to the clip eases from take-off to landing with neither speed nor
+//! acceleration at both ends: a foot leaves its place without sliding and comes to rest on the next.
 
-use bevy::prelude::*;
+use bevy::{math::ops, prelude::*};
 
 use super::{
     foot::{FootState, Mode, flat},
-    ground::{Footprint, Plane, Probe, find_room, footprint},
+    ground::{Plane, Probe},
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
-    turns::limited_align,
 };
 use crate::math::{
     rotation::direction_or,
-    spring::{Spring, damp_quat, remaining},
+    spring::{damp, remaining},
 };
 
 /// Depth in metres to which a flying foot may graze the ground.
 const TOUCH: f32 = 0.002;
+/// Half-life in seconds of a lift out of ground that nobody foresaw.
+const GUARD_HALF_LIFE: f32 = 0.06;
+/// Places between take-off and landing where obstacles are looked for.
+const PLACES: usize = 6;
+/// Metres by which a landing may move before the way is looked over again.
+const MOVED: f32 = 0.02;
+/// Half-life in seconds over which a new look at the way takes the place of the old one.
+const LOOK_HALF_LIFE: f32 = 0.03;
+/// Height in metres from which on an obstacle gets the full clearance.
+const OBSTACLE: f32 = 0.06;
+/// Share of the rest of a swing over which a foot that leaves late is held, and share of the swing from which on it is late.
+const HOLD: f32 = 0.4;
+const LATE: f32 = 0.15;
+/// Metres of a way that is too short to tell by place how much of it is done.
+const SHORT_WAY: f32 = 0.15;
 
-/// Seconds before contact from which the landing is not moved any more.
-const SETTLED: f32 = 0.1;
+/// How a foot left the ground, and what it flies over.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Flight {
+    /// Where the ball is now without obstacles, world; the height doesn't matter.
+    pub(super) ball: Vec3,
+    /// Metres that the foot is lifted beyond clip and ground.
+    pub(super) lift: f32,
+    /// The ball at take-off, on the ground there; and the same in the frame of that ground.
+    takeoff: Vec3,
+    left: Option<(Entity, Vec3)>,
+    /// Horizontal metres from the clip's ball to the placed one at take-off.
+    offset: Vec3,
+    /// Turns of take-off: about +Y against the clip, and to the ground.
+    yaw: f32,
+    align: Quat,
+    /// Share of the clip's swing that had passed at take-off, and of what was left then, that has passed by now.
+    since: f32,
+    share: f32,
+    obstacles: Obstacles,
+    /// Lift out of ground that nobody foresaw, metres.
+    guard: f32,
+}
+
+/// What stands between take-off and landing: heights over the line between them, metres.
+#[derive(Clone, Copy, Debug, Default)]
+struct Obstacles {
+    seen: [f32; PLACES],
+    heights: [f32; PLACES],
+    /// The landing that they were looked for.
+    landing: Option<Vec3>,
+}
+
+impl Flight {
+    /// Takes off from where `state` has the foot.
+    pub(super) fn from(state: &FootState, foot: &AnimatedFoot) -> Self {
+        Self {
+            ball: state.placed_ball,
+            takeoff: state.placed_ball.with_y(state.base),
+            offset: flat(state.placed_ball - foot.ball),
+            yaw: state.yaw_offset,
+            align: state.align,
+            since: if foot.swing < 1.0 { foot.swing.min(0.9) } else { 0.0 },
+            ..Self::default()
+        }
+    }
+
+    /// Remembers take-off in the frame of the ground that it left.
+    pub(super) fn leave(&mut self, ground: Option<Entity>, frames: &impl GroundFrames) {
+        self.left = ground.and_then(|ground| Some((ground, frames.frame(ground)?.inverse() * self.takeoff)));
+    }
+
+    /// How much of the clip's swing since take-off has passed, 0..1.
+    fn advance(&mut self, foot: &AnimatedFoot) -> f32 {
+        if foot.swing < 1.0 {
+            self.share = self.share.max((foot.swing - self.since) / (1.0 - self.since)).min(1.0);
+        }
+        self.share
+    }
+
+    /// A foot that leaves in the middle of the clip's swing is let go by and by, until it is off the ground.
+    fn held(&self, ball: Vec3) -> Vec3 {
+        let window = HOLD * (self.since / LATE).min(1.0);
+        self.takeoff.lerp(ball, ease((self.share / window.max(1e-3)).min(1.0)))
+    }
+
+    fn follow_ground(&mut self, frames: &impl GroundFrames) {
+        if let Some((ground, place)) = self.left
+            && let Some(frame) = frames.frame(ground)
+        {
+            self.takeoff = frame * place;
+        }
+    }
+}
 
 impl FootState {
     pub(super) fn swing<P: Probe, G: GroundFrames>(
@@ -27,116 +113,56 @@ impl FootState {
         foot: &AnimatedFoot,
         around: &Surroundings<'_, P, G>,
     ) -> PlacedFoot {
-        let (dt, config) = (around.dt, around.config);
-        self.yaw_offset *= remaining(config.release_half_life, dt);
         let time_left = foot.time_to_contact.clamp(0.0, 0.6);
-        let landing = self.foresee(foot.landing, foot.landing_forward, time_left, around);
-        let half_life = config.release_half_life.min((time_left * 0.3).max(0.01));
-        if time_left < SETTLED && self.settled.is_none() {
-            self.settled = Some(landing);
-        }
-        // What the landing is moved by, the foot is moved by; both meet on the ground.
-        self.offset.step(flat(landing - foot.landing), half_life, dt);
-        self.lift.step(0.0, 0.05, dt);
-        let ball = foot.ball + self.offset.value;
-        let share = progress(self.takeoff, landing, ball, foot.time_to_contact);
-        self.fly(ball, landing, share, time_left, foot, around)
+        let eased = ease(self.flight.advance(foot));
+        self.landing.foresee(foot.landing, foot.landing_forward, time_left, self.base, around);
+        let at_landing = flat(self.landing.place - foot.landing);
+        let ball = self.flight.held(foot.ball + self.flight.offset.lerp(at_landing, eased));
+        self.fly(ball, eased, time_left, foot, around)
     }
 
     pub(super) fn step<P: Probe, G: GroundFrames>(
         &mut self,
         (elapsed, seconds): (f32, f32),
-        from: Vec3,
         foot: &AnimatedFoot,
         around: &Surroundings<'_, P, G>,
     ) -> PlacedFoot {
-        let (dt, config) = (around.dt, around.config);
-        let elapsed = elapsed + dt;
+        let elapsed = elapsed + around.dt;
+        self.mode = Mode::Stepping { elapsed, seconds };
         let share = (elapsed / seconds).clamp(0.0, 1.0);
         let time_left = (seconds - elapsed).max(0.0);
-        self.mode = Mode::Stepping { elapsed, seconds, from };
-        self.yaw_offset *= remaining(seconds * 0.25, dt);
-        let landing = self.foresee(foot.ball, foot.forward, time_left, around);
-        let smooth = share * share * (3.0 - 2.0 * share);
-        let ball = from.lerp(landing, smooth).with_y(foot.ball.y);
-        self.offset = Spring::at(flat(ball - foot.ball));
+        self.landing.foresee(foot.ball, foot.forward, time_left, self.base, around);
+        let eased = ease(share);
+        let ball = self.flight.takeoff.lerp(self.landing.place, eased);
+        // Up at once, over, and down: the horizontal way is made while the foot is high.
         let arc = 4.0 * share * (1.0 - share);
-        self.lift = Spring::at(config.step_height * (seconds / config.step_time).min(1.0) * arc * arc);
-        self.fly(ball, landing, smooth, time_left, foot, around)
-    }
-
-    /// Smooths where the foot will come down: place and height, moved until the whole sole has room.
-    fn foresee<P: Probe, G: GroundFrames>(
-        &mut self,
-        landing: Vec3,
-        forward: Vec3,
-        time_left: f32,
-        around: &Surroundings<'_, P, G>,
-    ) -> Vec3 {
-        let half_life = (time_left * 0.25).clamp(0.01, 0.06);
-        let found = match self.settled {
-            Some(place) => footprint(around.probe, around.reach, place, forward, around.sole).map(|print| (0.0, print)),
-            None => self.room(landing, forward, around),
-        };
-        let landing = self.settled.unwrap_or(landing);
-        let Some((shift, print)) = found else {
-            self.flatten.step(0.0, 0.05, around.dt);
-            return landing.with_y(self.landing_height.value);
-        };
-        if self.settled.is_none() {
-            self.shift = shift;
-        }
-        self.landing_height.step(print.ball.point.y, half_life, around.dt);
-        self.flatten.step(if print.heel_gap > 0.025 { 1.0 } else { 0.0 }, 0.05, around.dt);
-        let target = limited_align(print.normal, forward, around.config);
-        self.align = damp_quat(self.align, target, around.config.align_half_life, around.dt);
-        (landing + forward * shift).with_y(self.landing_height.value)
-    }
-
-    pub(super) fn room<P: Probe, G: GroundFrames>(
-        &self,
-        ball: Vec3,
-        forward: Vec3,
-        around: &Surroundings<'_, P, G>,
-    ) -> Option<(f32, Footprint)> {
-        let most = around.config.landing_shift;
-        find_room(around.probe, around.reach, ball, forward, around.sole, self.shift, most)
+        let lift = around.config.step_height * arc * (2.0 - arc);
+        let placed = self.fly(ball, eased, time_left, foot, around);
+        self.flight.lift = lift;
+        placed
     }
 
     /// Carries the foot over the ground between take-off and landing.
     fn fly<P: Probe, G: GroundFrames>(
         &mut self,
         ball: Vec3,
-        landing: Vec3,
-        share: f32,
+        eased: f32,
         time_left: f32,
         foot: &AnimatedFoot,
         around: &Surroundings<'_, P, G>,
     ) -> PlacedFoot {
-        let line = |at: f32| self.takeoff.y + (landing.y - self.takeoff.y) * at;
-        let ahead = direction_or(flat(landing - self.takeoff), foot.forward);
-        let mut in_the_way = 0.0f32;
-        for step in 0..4 {
-            let along = step as f32 / 4.0;
-            let place = ball.lerp(landing, along) + ahead * around.sole.tip;
-            if let Some(hit) = around.reach.at(around.probe, place) {
-                let at = share + (1.0 - share) * along;
-                in_the_way = in_the_way.max(hit.point.y - line(at));
-            }
-        }
-        for place in [ball, ball - foot.forward * around.sole.heel] {
-            if let Some(hit) = around.reach.at(around.probe, place) {
-                in_the_way = in_the_way.max(hit.point.y - line(share));
-            }
-        }
-        let bump = if in_the_way > 0.02 { in_the_way + around.config.clearance } else { 0.0 };
-        // What lies under the landing itself is no obstacle.
-        let bump = bump * (1.0 - share * share).max(0.0).sqrt();
-        self.bump.step(bump, (time_left * 0.3).clamp(0.012, 0.05), around.dt);
-        self.height = line(share) + self.bump.value.max(0.0);
-        let normal = self.align * Vec3::Y;
-        let plane = Plane { point: ball.with_y(self.height), normal };
-        let mut placed = self.place(foot, None, plane, around);
+        let landing = self.landing.place;
+        self.flight.follow_ground(around.frames);
+        self.flight.look(landing, foot.forward, around);
+        self.flight.ball = ball;
+        let done = self.flight.done(landing, eased);
+        self.yaw_offset = self.flight.yaw * (1.0 - eased);
+        self.align = self.flight.align.slerp(self.landing.align, eased);
+        self.flatten.step(if self.landing.over_edge { 1.0 } else { 0.0 }, 0.05, around.dt);
+        self.base = self.flight.takeoff.y + (landing.y - self.flight.takeoff.y) * done;
+        let height = self.base + self.flight.obstacles.at(done);
+        let plane = Plane { point: ball.with_y(height), normal: self.align * Vec3::Y };
+        let mut placed = self.place(foot, None, plane);
         placed.landing = Some((landing, time_left));
         self.clear(&mut placed, around);
         placed
@@ -144,28 +170,99 @@ impl FootState {
 
     /// Lifts a flying foot out of ground that nobody foresaw.
     fn clear<P: Probe, G: GroundFrames>(&mut self, placed: &mut PlacedFoot, around: &Surroundings<'_, P, G>) {
-        let mut deepest = 0.0f32;
+        self.flight.guard *= remaining(GUARD_HALF_LIFE, around.dt);
+        let mut deepest = self.flight.guard;
         for point in placed.sole {
             if let Some(hit) = around.reach.at(around.probe, point) {
-                deepest = deepest.max(hit.point.y - point.y);
+                deepest = deepest.max(hit.point.y - point.y - TOUCH);
             }
         }
-        if deepest > TOUCH {
-            let lift = Vec3::Y * (deepest - TOUCH);
-            placed.ankle += lift;
-            placed.sole = placed.sole.map(|point| point + lift);
-            self.placed_ball += lift;
-            self.bump.value += lift.y;
+        self.flight.guard = deepest;
+        let lift = Vec3::Y * deepest;
+        placed.ankle += lift;
+        placed.sole = placed.sole.map(|point| point + lift);
+        self.placed_ball += lift;
+    }
+}
+
+impl Flight {
+    /// Share of the way from take-off to landing that the ball has made; of the time where the way is short.
+    fn done(&self, landing: Vec3, eased: f32) -> f32 {
+        let way = flat(landing - self.takeoff);
+        let length = way.length();
+        let by_place = flat(self.ball - self.takeoff).dot(way) / (length * length).max(1e-6);
+        let sure = ((length - 0.5 * SHORT_WAY) / (0.5 * SHORT_WAY)).clamp(0.0, 1.0);
+        (eased + (by_place - eased) * sure).clamp(0.0, 1.0)
+    }
+
+    /// Looks over the way to `landing`, where it is new.
+    fn look<P: Probe, G: GroundFrames>(&mut self, landing: Vec3, forward: Vec3, around: &Surroundings<'_, P, G>) {
+        let obstacles = &mut self.obstacles;
+        let first = obstacles.landing.is_none();
+        if obstacles.landing.is_none_or(|last| last.distance(landing) > MOVED) {
+            obstacles.landing = Some(landing);
+            let way = flat(landing - self.takeoff);
+            let along = direction_or(way, forward);
+            let per_metre = 1.0 / way.length().max(SHORT_WAY);
+            let rise = landing.y - self.takeoff.y;
+            for (place, seen) in obstacles.seen.iter_mut().enumerate() {
+                let at = at_place(place);
+                // An edge counts as soon as the toes meet it, until the heel is past.
+                let over = [around.sole.tip, -around.sole.heel].map(|point| {
+                    let hit = around.reach.at(around.probe, self.takeoff + way * at + along * point);
+                    hit.map_or(0.0, |hit| hit.point.y - self.takeoff.y - rise * (at + point * per_metre).min(1.0))
+                });
+                let over = over[0].max(over[1]);
+                let clearance = around.config.clearance * (over / OBSTACLE).clamp(0.0, 1.0);
+                *seen = over.max(0.0) + clearance;
+            }
+        }
+        for (height, seen) in obstacles.heights.iter_mut().zip(obstacles.seen) {
+            *height = if first { seen } else { damp(*height, seen, LOOK_HALF_LIFE, around.dt) };
         }
     }
 }
 
-/// How far between take-off and landing the ball is, 0..1.
-fn progress(from: Vec3, to: Vec3, at: Vec3, time_left: f32) -> f32 {
-    let way = flat(to - from);
-    let length = way.length_squared();
-    if length < 0.01 {
-        return (1.0 - time_left / 0.4).clamp(0.0, 1.0);
+impl Obstacles {
+    /// Lift over the line, metres, once `done` of the way is made: every obstacle has a smooth hill of its own.
+    fn at(&self, done: f32) -> f32 {
+        let hill = |(place, height): (usize, &f32)| {
+            let at = at_place(place);
+            let way = if done < at { done / at } else { (1.0 - done) / (1.0 - at) };
+            height * ops::sin(core::f32::consts::FRAC_PI_2 * way.clamp(0.0, 1.0))
+        };
+        self.heights.iter().enumerate().map(hill).fold(0.0, f32::max)
     }
-    (flat(at - from).dot(way) / length).clamp(0.0, 1.0)
+}
+
+/// Where on the way, 0..1, a place is looked at.
+fn at_place(place: usize) -> f32 {
+    (place as f32 + 0.5) / PLACES as f32
+}
+
+/// 0 to 1 with neither speed nor acceleration at both ends.
+fn ease(t: f32) -> f32 {
+    t * t * t * (t * (6.0 * t - 15.0) + 10.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_foot_flies_over_every_obstacle_and_lands_without_lift() {
+        let mut obstacles = Obstacles::default();
+        obstacles.heights[3] = 0.2;
+        assert!(obstacles.at(0.0).abs() + obstacles.at(1.0).abs() < 1e-6, "lifted at take-off or landing");
+        let over = obstacles.at(at_place(3));
+        assert!((over - 0.2).abs() < 1e-6, "{over} m over an obstacle of 0.2 m");
+    }
+
+    #[test]
+    fn easing_starts_and_ends_at_rest() {
+        for (from, to) in [(0.0, 0.01), (0.99, 1.0)] {
+            let moved = ease(to) - ease(from);
+            assert!(moved.abs() < 1.1e-5, "{moved} between {from} and {to}");
+        }
+    }
 }

@@ -1,13 +1,16 @@
 //! One foot: planted, swinging, or stepping to correct itself.
 //!
 //! World space, metres, +Y up. Reads the animated sole and the ground; gives where the ankle shall be and how the foot
-//! turns. Horizontal places come from a lock in the ground's frame or from the clip plus a decaying offset; heights from
-//! the ground under them plus the height that the clip has over its own floor. On flat ground that is the clip itself.
+//! turns. A planted foot keeps its place in the ground's frame; a flying one follows the clip, its distance from the clip
+//! eased from that of take-off to that of landing. Heights are the ground's under it plus the clip's over its own floor.
+//! On flat ground that is the clip itself.
 
 use bevy::prelude::*;
 
 use super::{
-    ground::{Footprint, Plane, Probe, footprint},
+    flight::Flight,
+    ground::{Footprint, Plane, Probe},
+    landing::Landing,
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
     turns::{flattening, limited_align},
 };
@@ -23,6 +26,8 @@ pub enum Pivot {
     Heel,
     /// The whole sole, or the forefoot with the heel lifted.
     Ball,
+    /// Push-off: only the toes' tip still touches.
+    Tip,
 }
 
 /// Why a foot let go of the ground last.
@@ -76,8 +81,6 @@ pub enum Mode {
         elapsed: f32,
         /// Seconds that it takes.
         seconds: f32,
-        /// Where the ball lifted off, world.
-        from: Vec3,
     },
 }
 
@@ -88,30 +91,25 @@ pub struct FootState {
     pub mode: Mode,
     /// Why it let go last.
     pub released: Release,
-    /// Horizontal metres from the clip's ball to the placed ball, while not planted.
-    pub(super) offset: Spring<Vec3>,
+    /// How it left the ground, while it is in the air.
+    pub(super) flight: Flight,
+    /// Where it will come down, while it is in the air.
+    pub(super) landing: Landing,
     /// Turn about +Y from the clip's foot to the placed foot, radians.
     pub(super) yaw_offset: f32,
-    /// World height of the landing, smoothed.
-    pub(super) landing_height: Spring<f32>,
-    /// Height of what lies in the way over the line from take-off to landing, metres.
-    pub(super) bump: Spring<f32>,
-    /// Lift of a correcting step, metres.
-    pub(super) lift: Spring<f32>,
-    /// Take-off: world place of the ball, and ground there.
-    pub(super) takeoff: Vec3,
-    /// Turn from upright to the ground's normal, smoothed.
+    /// Turn from upright to the ground's normal.
     pub(super) align: Quat,
     /// How far a heel strike is flattened, 0..1, since the heel would land over an edge.
     pub(super) flatten: Spring<f32>,
-    /// Where the landing was shifted to, metres along the foot.
-    pub(super) shift: f32,
-    /// The landing, once it is too near to be changed, world.
-    pub(super) settled: Option<Vec3>,
-    /// Height of the plane under the foot, world.
-    pub(super) height: f32,
+    /// World height, under the ball, of the ground that carries the foot; in the air of the way to the next.
+    pub(super) base: f32,
+    /// Metres by which a planted foot still is over its ground.
+    over: f32,
     /// Where the ball was placed last, world.
     pub(super) placed_ball: Vec3,
+    /// Horizontal metres from there to heel and tip.
+    to_heel: Vec3,
+    to_tip: Vec3,
     /// Whether it has run before.
     awake: bool,
 }
@@ -126,10 +124,10 @@ impl FootState {
         }
     }
 
-    /// Whether it holds the ground by its ball, so that its heel may lift.
+    /// Whether it holds the ground by its forefoot, so that its heel may lift.
     #[must_use]
-    pub fn stands_on_ball(&self) -> bool {
-        self.plant().is_some_and(|plant| plant.pivot == Pivot::Ball)
+    pub fn stands_on_forefoot(&self) -> bool {
+        self.plant().is_some_and(|plant| plant.pivot != Pivot::Heel)
     }
 
     /// Forgets the ground; the next frame starts from the clip.
@@ -150,7 +148,7 @@ impl FootState {
         match self.mode {
             Mode::Planted(plant) => self.hold(&plant, foot, around),
             Mode::Swing => self.swing(foot, around),
-            Mode::Stepping { elapsed, seconds, from } => self.step((elapsed, seconds), from, foot, around),
+            Mode::Stepping { elapsed, seconds } => self.step((elapsed, seconds), foot, around),
         }
     }
 
@@ -158,60 +156,55 @@ impl FootState {
         let hit = around.reach.at(around.probe, foot.ball);
         let height = hit.map_or(foot.floor, |hit| hit.point.y);
         self.awake = true;
-        self.height = height;
-        self.landing_height = Spring::at(height);
+        self.base = height;
         self.placed_ball = foot.ball.with_y(height);
-        self.takeoff = self.placed_ball;
         self.align = hit.map_or(Quat::IDENTITY, |hit| limited_align(hit.normal, foot.forward, around.config));
         if foot.contact > 0.5 {
             // Whoever appears standing appears on ground that carries the whole sole.
-            if let Some((shift, print)) = self.room(foot.ball, foot.forward, around) {
-                self.offset = Spring::at(foot.forward * shift);
-                self.placed_ball = (foot.ball + foot.forward * shift).with_y(print.ball.point.y);
-                self.height = print.ball.point.y;
-            }
+            self.landing.plan(foot.ball, foot.forward, height, around);
+            let place = self.landing.place;
+            self.base = place.y;
+            self.placed_ball = place;
         }
+        self.flight = Flight::from(self, foot);
     }
 
     fn decide<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
         match self.mode {
             Mode::Planted(plant) => {
                 let Some(anchor) = anchor_world(&plant, around.frames) else {
-                    return self.release(Release::LostGround, foot);
+                    return self.release(Release::LostGround, foot, around);
                 };
                 if foot.contact < 0.5 {
-                    return self.release(Release::ContactEnded, foot);
+                    return self.release(Release::ContactEnded, foot, around);
                 }
-                let wanted = if plant.pivot == Pivot::Heel { foot.heel } else { foot.ball };
+                let wanted = match plant.pivot {
+                    Pivot::Heel => foot.heel,
+                    Pivot::Ball => foot.ball,
+                    Pivot::Tip => foot.tip,
+                };
                 let error = flat(anchor - wanted).length();
                 let turned = self.yaw_offset.abs();
-                let limit = around.config.unplant_radius;
-                if error > limit {
-                    self.begin_step(Release::TooFar, foot, around.config.step_time);
-                } else if turned > around.config.unplant_yaw {
-                    self.begin_step(Release::Turned, foot, around.config.step_time);
-                } else if around.may_restep && (error > around.config.restep_distance || turned > 0.35) {
-                    self.begin_step(Release::Restep, foot, around.config.step_time);
+                let config = around.config;
+                // A gait lifts the foot soon by itself.
+                let patience = if around.may_restep { 1.0 } else { PATIENCE };
+                if foot.contact < 0.9 {
+                    // Half lifted already.
+                } else if error > patience * config.unplant_radius {
+                    self.begin_step(Release::TooFar, foot, around);
+                } else if turned > patience * config.unplant_yaw {
+                    self.begin_step(Release::Turned, foot, around);
+                } else if around.may_restep && (error > config.restep_distance || turned > RESTEP_YAW) {
+                    self.begin_step(Release::Restep, foot, around);
                 }
             }
-            Mode::Swing => {
-                if foot.contact >= 0.5 {
-                    if flat(self.offset.value).length() > around.config.unplant_radius * 0.4
-                        && self.released != Release::ContactEnded
-                    {
-                        self.begin_step(Release::TooFar, foot, around.config.step_time);
-                    } else if self.is_stuck(foot, around) {
-                        // It came down where there is no room after all: it goes on to where there is.
-                        self.begin_step(Release::NoRoom, foot, HURRY);
-                    } else {
-                        self.lock(foot, around);
-                    }
-                }
-            }
-            Mode::Stepping { elapsed, seconds, .. } => {
+            Mode::Swing if foot.contact >= 0.5 => self.lock(foot, around),
+            Mode::Swing => {}
+            Mode::Stepping { elapsed, seconds } => {
                 if foot.contact < 0.5 {
-                    self.takeoff = self.placed_ball.with_y(self.height);
                     self.mode = Mode::Swing;
+                    self.landing = Landing::default();
+                    self.flight = Flight::from(self, foot);
                 } else if elapsed >= seconds {
                     self.lock(foot, around);
                 }
@@ -219,52 +212,63 @@ impl FootState {
         }
     }
 
-    fn release(&mut self, why: Release, foot: &AnimatedFoot) {
+    fn release<P: Probe, G: GroundFrames>(
+        &mut self,
+        why: Release,
+        foot: &AnimatedFoot,
+        around: &Surroundings<'_, P, G>,
+    ) {
+        let ground = self.plant().map(|plant| plant.ground);
         self.released = why;
         self.mode = Mode::Swing;
-        self.offset = Spring::at(flat(self.placed_ball - foot.ball));
-        self.takeoff = self.placed_ball.with_y(self.height);
-        self.landing_height = Spring::at(self.height);
-        self.bump = Spring::default();
-        self.shift = 0.0;
-        self.settled = None;
+        self.landing = Landing::default();
+        self.flight = Flight::from(self, foot);
+        self.flight.leave(ground, around.frames);
     }
 
-    fn begin_step(&mut self, why: Release, foot: &AnimatedFoot, seconds: f32) {
-        self.release(why, foot);
-        self.mode = Mode::Stepping { elapsed: 0.0, seconds: seconds.max(HURRY), from: self.takeoff };
-    }
-
-    /// Whether the sole, laid down here, would stick in an edge.
-    fn is_stuck<P: Probe, G: GroundFrames>(&self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) -> bool {
-        footprint(around.probe, around.reach, self.placed_ball, foot.forward, around.sole)
-            .is_some_and(|print| print.stuck > STUCK)
+    fn begin_step<P: Probe, G: GroundFrames>(
+        &mut self,
+        why: Release,
+        foot: &AnimatedFoot,
+        around: &Surroundings<'_, P, G>,
+    ) {
+        self.release(why, foot, around);
+        self.mode = Mode::Stepping { elapsed: 0.0, seconds: around.config.step_time.max(HURRY) };
     }
 
     /// Takes hold of the ground where the foot is now.
     fn lock<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
         let heel_first = foot.heel.y < foot.ball.y - 0.004 && self.flatten.value < 0.5;
-        let pivot = if heel_first { Pivot::Heel } else { Pivot::Ball };
-        let point = if heel_first { self.placed_ball - foot.forward * around.sole.heel } else { self.placed_ball };
-        self.plant_at(pivot, point, foot, around);
+        self.plant_at(if heel_first { Pivot::Heel } else { Pivot::Ball }, foot, around);
+    }
+
+    /// Where a point of the sole was placed last, world; the height doesn't matter.
+    fn placed(&self, pivot: Pivot) -> Vec3 {
+        self.placed_ball
+            + match pivot {
+                Pivot::Heel => self.to_heel,
+                Pivot::Ball => Vec3::ZERO,
+                Pivot::Tip => self.to_tip,
+            }
     }
 
     fn plant_at<P: Probe, G: GroundFrames>(
         &mut self,
         pivot: Pivot,
-        point: Vec3,
         foot: &AnimatedFoot,
         around: &Surroundings<'_, P, G>,
     ) {
         // The ball's ground carries the foot even while the heel touches first: one plane per stance.
-        let found = footprint(around.probe, around.reach, self.placed_ball, foot.forward, around.sole);
-        let Some(Footprint { ball: hit, normal, .. }) = found else {
+        let Some(Footprint { ball: hit, normal, .. }) = self.landing.print_at(self.placed_ball, foot.forward, around)
+        else {
             return;
         };
         let frame = around.frames.frame(hit.entity).unwrap_or(Isometry3d::IDENTITY);
         let plane = Plane { point: hit.point, normal };
         let into = frame.inverse();
         let facing = from_scaled_axis(Vec3::Y * self.yaw_offset) * foot.forward;
+        let point = self.placed(pivot);
+        self.over = self.base - plane.height(self.placed_ball);
         self.mode = Mode::Planted(Plant {
             pivot,
             ground: hit.entity,
@@ -283,39 +287,38 @@ impl FootState {
         let dt = around.dt;
         let frame = around.frames.frame(plant.ground).unwrap_or(Isometry3d::IDENTITY);
         let anchor = frame * plant.anchor_ground;
-        let plane = Plane { point: anchor, normal: frame.rotation * plant.normal_ground };
+        let normal = frame.rotation * plant.normal_ground;
         let held = frame.rotation * (from_scaled_axis(Vec3::Y * plant.yaw_ground) * Vec3::NEG_Z);
         self.yaw_offset = wrap_angle(heading(held) - heading(foot.forward));
-        self.lift.step(0.0, 0.03, dt);
-        self.bump.step(0.0, 0.02, dt);
-        self.flatten.step(0.0, 0.1, dt);
+        // The clip brings the forefoot down by itself.
+        self.flatten.step(self.flatten.value.round(), 0.05, dt);
         // A landing that was foreseen wrongly sinks or rises onto its ground within a few frames.
-        self.height = anchor.y + (self.height - anchor.y).max(-0.002) * remaining(0.015, dt);
-        self.landing_height = Spring::at(self.height);
-        let lifted = Plane { point: anchor.with_y(self.height), normal: plane.normal };
-        let placed = self.place(foot, Some((plant.pivot, anchor)), lifted, around);
-        if plant.pivot == Pivot::Heel && foot.ball.y - foot.floor <= 0.003 + (foot.heel.y - foot.floor).max(0.0) {
-            // The forefoot is down: from now on it carries the lock.
-            let ball = self.placed_ball;
-            let height = self.height;
-            self.plant_at(Pivot::Ball, ball, foot, around);
-            self.height = height;
+        self.over = self.over.max(-0.002) * remaining(SETTLE, dt);
+        let target = limited_align(normal, foot.forward, around.config);
+        self.align = damp_quat(self.align, target, around.config.align_half_life, dt);
+        let plane = Plane { point: anchor + Vec3::Y * self.over, normal };
+        let placed = self.place(foot, Some((plant.pivot, anchor)), plane);
+        self.base = plane.height(self.placed_ball);
+        // The sole rolls from heel over ball to tip; what lies on the ground carries the lock.
+        let [heel, ball, tip] = [foot.heel, foot.ball, foot.tip].map(|point| point.y - foot.floor);
+        match plant.pivot {
+            Pivot::Heel if ball <= ROLLED + heel.max(0.0) => self.roll(Pivot::Ball, plant, plane, frame),
+            Pivot::Ball if ball > ROLLED + tip.max(0.0) && tip < heel => self.roll(Pivot::Tip, plant, plane, frame),
+            Pivot::Tip if ball <= tip => self.roll(Pivot::Ball, plant, plane, frame),
+            _ => {}
         }
-        placed
+        PlacedFoot { base: self.base, ..placed }
+    }
+
+    /// The same plane carries the foot on, held by another point.
+    fn roll(&mut self, onto: Pivot, plant: &Plant, plane: Plane, frame: Isometry3d) {
+        let point = self.placed(onto);
+        let on_ground = point.with_y(plane.height(point) - self.over);
+        self.mode = Mode::Planted(Plant { pivot: onto, anchor_ground: frame.inverse() * on_ground, ..*plant });
     }
 
     /// Turns the foot to the plane and sets its lowest point as high over it as the clip has it over its floor.
-    pub(super) fn place<P: Probe, G: GroundFrames>(
-        &mut self,
-        foot: &AnimatedFoot,
-        held: Option<(Pivot, Vec3)>,
-        plane: Plane,
-        around: &Surroundings<'_, P, G>,
-    ) -> PlacedFoot {
-        if held.is_some() {
-            let target = limited_align(plane.normal, foot.forward, around.config);
-            self.align = damp_quat(self.align, target, around.config.align_half_life * 0.5, around.dt);
-        }
+    pub(super) fn place(&mut self, foot: &AnimatedFoot, held: Option<(Pivot, Vec3)>, plane: Plane) -> PlacedFoot {
         let turn = (self.align
             * from_scaled_axis(Vec3::Y * self.yaw_offset)
             * flattening(foot, self.flatten.value.clamp(0.0, 1.0)))
@@ -324,23 +327,40 @@ impl FootState {
         let place = match held {
             Some((Pivot::Heel, anchor)) => anchor - heel,
             Some((Pivot::Ball, anchor)) => anchor - ball,
-            None => foot.ball + self.offset.value - ball,
+            Some((Pivot::Tip, anchor)) => anchor - tip,
+            None => self.flight.ball - ball,
         };
         let lowest = [foot.heel, foot.ball, foot.tip].into_iter().map(|p| p.y).fold(f32::MAX, f32::min) - foot.floor;
         let needed = [heel, ball, tip]
             .into_iter()
             .map(|offset| plane.height(place + offset) - offset.y)
             .fold(f32::MIN, f32::max);
-        let ankle = place.with_y(needed + lowest + self.lift.value.max(0.0));
+        // Blended clips may sink into their own floor.
+        let lift = if held.is_none() { self.flight.lift } else { 0.0 };
+        let ankle = place.with_y(needed + lowest.max(0.0) + lift);
         self.placed_ball = ankle + ball;
-        PlacedFoot { ankle, turn, sole: [heel, ball, tip].map(|offset| ankle + offset), plane, landing: None }
+        (self.to_heel, self.to_tip) = (flat(heel - ball), flat(tip - ball));
+        PlacedFoot {
+            ankle,
+            turn,
+            sole: [heel, ball, tip].map(|offset| ankle + offset),
+            plane,
+            base: self.base,
+            landing: None,
+        }
     }
 }
 
+/// Metres by which one end of the sole must be over the other to count as lifted.
+const ROLLED: f32 = 0.002;
+/// How much more a lock endures, in place and turn, while a gait plays.
+const PATIENCE: f32 = 1.5;
+/// Turn in radians against a standing body from which a foot steps round: 20°.
+const RESTEP_YAW: f32 = 0.35;
 /// Seconds of the shortest step.
 const HURRY: f32 = 0.12;
-/// Metres in the ground from which a sole doesn't stay where it came down.
-const STUCK: f32 = 0.012;
+/// Half-life in seconds in which a foot that came down over or under its ground settles onto it.
+const SETTLE: f32 = 0.02;
 
 fn anchor_world(plant: &Plant, frames: &impl GroundFrames) -> Option<Vec3> {
     frames.frame(plant.ground).map(|frame| frame * plant.anchor_ground)

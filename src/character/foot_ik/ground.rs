@@ -62,6 +62,8 @@ pub struct SoleShape {
     pub heel: f32,
     /// From ball forward to the toes' tip, positive.
     pub tip: f32,
+    /// From ball back to the ankle joint above the sole, positive.
+    pub ankle: f32,
 }
 
 /// How well a sole would stand somewhere.
@@ -80,9 +82,11 @@ pub struct Footprint {
 /// Metres that a sole may sink at heel or tip without counting as stuck; rough ground is never a plane.
 const TOLERATED: f32 = 0.004;
 /// Metres between the places that a landing tries.
-const SHIFT_STEP: f32 = 0.03;
+const SHIFT_STEP: f32 = 0.02;
 /// Metres of unevenness under a sole that a pitch of the foot takes up; more is an edge.
 const PITCHED: f32 = 0.06;
+/// Metres ahead of the ball that must still carry it: toes may hang over an edge, the ball not.
+const FOOTING: f32 = 0.03;
 /// Metres that toes keep from a riser ahead, so that they clear it when they lift.
 const TOE_ROOM: f32 = 0.05;
 
@@ -101,7 +105,10 @@ pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, so
         slope += worst.1 / worst.0;
     }
     let riser = ground(sole.tip + TOE_ROOM) - under_ball.point.y - slope * (sole.tip + TOE_ROOM);
+    let edge = under_ball.point.y + slope * FOOTING - ground(FOOTING);
     let stuck = over(slope).into_iter().map(|point| point.1).fold(0.0, f32::max);
+    // On the brink is bad, in a riser worse.
+    let stuck = if edge > PITCHED { stuck.max(2.0 * TOLERATED) } else { stuck };
     let [(_, heel), ..] = over(slope);
     Some(Footprint {
         ball: under_ball,
@@ -166,7 +173,7 @@ mod tests {
         }
     }
 
-    const SOLE: SoleShape = SoleShape { heel: 0.19, tip: 0.075 };
+    const SOLE: SoleShape = SoleShape { heel: 0.19, tip: 0.075, ankle: 0.135 };
     const REACH: Reach = Reach { top: 3.0, length: 5.0 };
 
     #[test]

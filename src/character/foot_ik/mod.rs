@@ -6,6 +6,7 @@
 mod flight;
 mod foot;
 mod ground;
+mod landing;
 mod legs;
 mod pelvis;
 mod probe;
@@ -18,7 +19,7 @@ use bevy::prelude::*;
 pub use foot::{FootState, Mode, Pivot, Plant, Release};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
 pub use legs::{LegJoints, LegResult, heel_lift, keep_rotation, place_leg, shift_joint};
-pub use pelvis::{LegReach, PelvisState, drop_for};
+pub use pelvis::{LegReach, PelvisFrame, PelvisState, drop_for};
 pub use probe::{Frames, GroundFilter, PhysicsProbe};
 pub use surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings};
 
@@ -64,7 +65,9 @@ impl FootIk {
         let rest = Pose::rest(&asset.skeleton);
         let soles = [0, 1].map(|side| {
             let [heel, ball, tip] = sole_model(&rest, &asset.legs[side]);
-            SoleShape { heel: (ball - heel).with_y(0.0).length(), tip: (tip - ball).with_y(0.0).length() }
+            let along = |from: Vec3, to: Vec3| (to - from).with_y(0.0).length();
+            let ankle = rest.position(asset.legs[side].foot);
+            SoleShape { heel: along(heel, ball), tip: along(ball, tip), ankle: along(ankle, ball) }
         });
         Self { soles, ..Self::default() }
     }
@@ -140,7 +143,7 @@ impl FootIk {
             return;
         }
         let config = &scaled(config, body.asset.leg_length / TUNED_LEG);
-        let animated = [0, 1].map(|side| body.animated_foot(pose, side));
+        let animated = [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side]));
         let placed = [0, 1].map(|side| {
             let around = Surroundings {
                 probe,
@@ -158,7 +161,7 @@ impl FootIk {
         self.sink_pelvis(body, pose, &animated, &placed, ankles, config);
         for side in 0..2 {
             let placed = PlacedFoot { ankle: ankles[side], ..placed[side] };
-            let on_ball = self.feet[side].stands_on_ball();
+            let on_ball = self.feet[side].stands_on_forefoot();
             self.legs[side] = body.solve_leg(pose, side, &placed, on_ball, self.weight, config);
         }
     }
@@ -173,6 +176,7 @@ impl FootIk {
         config: &FootIkConfig,
     ) {
         let world_from_model = body.root.to_isometry();
+        let ground = 0.5 * (placed[0].base + placed[1].base);
         let legs = [0, 1].map(|side| {
             let leg = &body.asset.legs[side];
             let hip = world_from_model * pose.pose.position(leg.upper);
@@ -181,12 +185,18 @@ impl FootIk {
                 ankle: ankles[side],
                 length: leg.length(),
                 animated: hip.distance(animated[side].clip_ankle),
-                slack: if self.feet[side].stands_on_ball() { HEEL_SLACK * leg.length() } else { 0.0 },
+                slack: if self.feet[side].stands_on_forefoot() { HEEL_SLACK * leg.length() } else { 0.0 },
                 weight: animated[side].contact,
             };
-            placed[side].landing.map_or(now, |(landing, seconds)| body.landed(now, landing, seconds, &animated[side]))
+            placed[side].landing.map_or(now, |(landing, seconds)| {
+                // By then the body rides over other ground.
+                let ride = ground + 0.5 * (landing.y - placed[side].base);
+                let now = LegReach { hip: now.hip + Vec3::Y * (ride - ground), ..now };
+                body.landed(now, landing, seconds, ride, &animated[side])
+            })
         });
-        let offset = self.pelvis.advance(&legs, body.motion.stepped, self.weight, config, body.dt);
+        let frame = PelvisFrame { weight: self.weight, config, dt: body.dt };
+        let offset = self.pelvis.advance(&legs, ground, body.root.translation.y, &frame);
         if offset.abs() > 1e-6 {
             shift_joint(&mut pose.pose, &body.asset.skeleton, body.asset.hips, Vec3::Y * offset);
         }
@@ -206,7 +216,7 @@ impl Body<'_> {
     }
 
     /// The foot as the clip has it, in world space, its stride warped to the ground speed.
-    fn animated_foot(&self, pose: &CharacterPose, side: usize) -> AnimatedFoot {
+    fn animated_foot(&self, pose: &CharacterPose, side: usize, shape: SoleShape) -> AnimatedFoot {
         let leg = &self.asset.legs[side];
         let cue = self.locomotion.cues[side];
         let world_from_model = self.root.to_isometry();
@@ -218,7 +228,10 @@ impl Body<'_> {
         let [heel, ball, tip] = sole;
         let forward = (ball - heel).with_y(0.0).normalize_or(*self.root.forward());
         let (landing, landing_forward) = match cue.landing_model {
-            Some(model) if cue.contact < 0.5 => self.predict(model, forward, cue.time_to_contact, &warp),
+            Some(ball_model) if cue.contact < 0.5 => {
+                let ankle_model = ball_model - self.root.rotation.inverse() * forward * shape.ankle;
+                self.predict(ball_model + warp(ankle_model), forward, cue.time_to_contact)
+            }
             _ => (ball, forward),
         };
         AnimatedFoot {
@@ -231,17 +244,18 @@ impl Body<'_> {
             forward,
             contact: cue.contact,
             time_to_contact: cue.time_to_contact,
+            swing: cue.swing,
             landing,
             landing_forward,
         }
     }
 
     /// Where the ball lands if the body keeps its velocity and turn for `seconds`.
-    fn predict(&self, ball_model: Vec3, forward: Vec3, seconds: f32, warp: &impl Fn(Vec3) -> Vec3) -> (Vec3, Vec3) {
+    fn predict(&self, ball_model: Vec3, forward: Vec3, seconds: f32) -> (Vec3, Vec3) {
         let seconds = seconds.clamp(0.0, 0.6);
         let turn = from_scaled_axis(Vec3::Y * (self.motion.yaw_rate * seconds).clamp(-1.2, 1.2));
         let root = self.root.translation + self.motion.velocity.with_y(0.0) * seconds;
-        (root + turn * self.root.rotation * (ball_model + warp(ball_model)), turn * forward)
+        (root + turn * self.root.rotation * ball_model, turn * forward)
     }
 
     /// Horizontal shift, in model space, that scales the stride about the hip along the way the body goes.
@@ -253,11 +267,15 @@ impl Body<'_> {
     }
 
     /// A swinging leg as it will be when it lands; it counts the more the sooner that is.
-    fn landed(&self, now: LegReach, landing: Vec3, seconds: f32, foot: &AnimatedFoot) -> LegReach {
+    ///
+    /// As far as it would stretch on `ground`, the height that the body rides over, it is the clip's own stretch.
+    fn landed(&self, now: LegReach, landing: Vec3, seconds: f32, ground: f32, foot: &AnimatedFoot) -> LegReach {
         let ankle = landing + (foot.clip_ankle - foot.ball).with_y(0.0) + Vec3::Y * self.ankle_height();
-        let ahead = self.motion.velocity.with_y(0.0) * seconds;
+        let hip = now.hip + self.motion.velocity.with_y(0.0) * seconds;
+        let level = ankle.with_y(ground + self.ankle_height());
         let near = (1.0 - seconds / FORESIGHT).clamp(0.0, 1.0);
-        LegReach { hip: now.hip + ahead, ankle, slack: 0.0, weight: near * near * (3.0 - 2.0 * near), ..now }
+        let weight = near * near * (3.0 - 2.0 * near);
+        LegReach { hip, ankle, animated: hip.distance(level), slack: 0.0, weight, ..now }
     }
 
     /// Height of the ankle over a sole that stands flat, metres: a twelfth of the leg (0.07 of 0.875 m).

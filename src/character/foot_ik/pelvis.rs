@@ -1,20 +1,20 @@
-//! How far the pelvis sinks so that planted legs reach, and how the capsule's hops are kept out of the body.
+//! How high the pelvis rides: over the mean of what carries both feet, sunk so far that planted legs reach.
+//!
+//! The capsule hops up and down steps; its height doesn't count here.
 //!
 //! World space, metres, +Y up.
 
 use bevy::prelude::*;
 
-use crate::{
-    math::spring::{Spring, damp},
-    rig::tuning::foot_ik::FootIkConfig,
-};
+use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
 
-/// Half-life in seconds of the root's hops in the body. The controller has rounded them off already.
-const HOP_HALF_LIFE: f32 = 0.1;
-/// Half-life in seconds over which the mean speed of hops is found.
-const HOP_RATE_HALF_LIFE: f32 = 0.15;
+/// Half-life in seconds in which the body follows the ground that carries its feet; that ground moves without jumps.
+const FOLLOW: f32 = 0.03;
 /// How much slower the pelvis rises than it sinks: on a slope it stays where each stride needs it.
-const RISE_SLOWER: f32 = 1.7;
+const RISE_SLOWER: f32 = 3.0;
+
+/// Share of a leg's length that a foot may be aside for the pelvis to sink after it; no sinking reaches one further off.
+const ASIDE: f32 = 0.7;
 
 /// One leg as the pelvis sees it.
 #[derive(Clone, Copy, Debug)]
@@ -33,23 +33,20 @@ pub struct LegReach {
     pub weight: f32,
 }
 
-/// The pelvis' vertical offset from the clip, carried from frame to frame.
+/// The pelvis' height, carried from frame to frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PelvisState {
     drop: Spring<f32>,
-    /// What is left of the root's hops, metres.
-    hops: Spring<f32>,
-    /// Mean speed of the hops, m/s.
-    hop_rate: f32,
-    /// `MotionState::stepped` of the last frame.
-    stepped: Option<f32>,
+    /// World height of the ground that the body rides over; `None` before the first frame.
+    ground: Option<Spring<f32>>,
+    offset: f32,
 }
 
 impl PelvisState {
-    /// Metres by which the pelvis stands above (below: negative) the clip's.
+    /// Metres by which the pelvis stands above (below: negative) the clip's, as the root carries it.
     #[must_use]
     pub fn offset(&self) -> f32 {
-        self.drop.value + self.hops.value
+        self.offset
     }
 
     /// Forgets everything; the pelvis starts from the clip.
@@ -57,19 +54,32 @@ impl PelvisState {
         *self = Self::default();
     }
 
-    /// One frame. `stepped` is the sum of the root's hops; what it grew by is taken out of the body and springs back.
-    pub fn advance(&mut self, legs: &[LegReach], stepped: f32, weight: f32, config: &FootIkConfig, dt: f32) -> f32 {
-        let hop = stepped - self.stepped.unwrap_or(stepped);
-        self.stepped = Some(stepped);
-        self.hops.value = (self.hops.value - hop).clamp(-config.pelvis_drop, config.pelvis_drop);
-        // On stairs hop follows hop: aiming ahead by the mean rate keeps the body from trailing.
-        self.hop_rate = damp(self.hop_rate, hop / dt.max(1e-4), HOP_RATE_HALF_LIFE, dt);
-        self.hops.step(self.hop_rate * HOP_HALF_LIFE / core::f32::consts::LN_2, HOP_HALF_LIFE, dt);
-        let wanted = drop_for(legs, config) * weight;
+    /// One frame: rides over `ground`, the world height of what carries the feet, with the root at `floor`.
+    pub fn advance(&mut self, legs: &[LegReach; 2], ground: f32, floor: f32, frame: &PelvisFrame<'_>) -> f32 {
+        let PelvisFrame { weight, config, dt } = *frame;
+        let most = config.pelvis_drop;
+        let ride = self.ground.get_or_insert(Spring::at(ground));
+        ride.step(ground, FOLLOW, dt);
+        ride.value = ride.value.clamp(floor - most, floor + most);
+        let carried = (ride.value - floor) * weight;
+        let raised = legs.map(|leg| LegReach { hip: leg.hip + Vec3::Y * carried, ..leg });
+        let wanted = drop_for(&raised, config) * weight;
         let half_life = if wanted < self.drop.value { 1.0 } else { RISE_SLOWER } * config.pelvis_half_life;
         self.drop.step(wanted, half_life, dt);
-        self.offset()
+        self.offset = carried + self.drop.value;
+        self.offset
     }
+}
+
+/// What a frame is for the pelvis.
+#[derive(Clone, Copy, Debug)]
+pub struct PelvisFrame<'a> {
+    /// How much of foot placement is on, 0..1.
+    pub weight: f32,
+    /// Tuning, scaled to the leg.
+    pub config: &'a FootIkConfig,
+    /// Seconds since the last frame.
+    pub dt: f32,
 }
 
 /// The least drop, ≤ 0, that lets every leg reach by its weight.
@@ -82,7 +92,7 @@ pub fn drop_for(legs: &[LegReach], config: &FootIkConfig) -> f32 {
         // A clip that stretches its leg further than the reserve is taken at its word: it stands on flat ground.
         let longest = (config.pelvis_extension * leg.length).max(leg.animated.min(0.99 * leg.length));
         let away = leg.ankle - leg.hip;
-        let across = Vec2::new(away.x, away.z).length_squared();
+        let across = Vec2::new(away.x, away.z).length_squared().min((ASIDE * longest).powi(2));
         let down = (longest * longest - across).max(0.0).sqrt();
         let drop = away.y + down + leg.slack;
         if drop < 0.0 {
@@ -120,11 +130,23 @@ mod tests {
     }
 
     #[test]
-    fn a_hop_of_the_root_does_not_move_the_body_at_once() {
+    fn a_hop_of_the_root_does_not_move_the_body() {
         let (config, mut pelvis) = (FootIkConfig::default(), PelvisState::default());
         let legs = [leg(0.09), leg(0.09)];
-        pelvis.advance(&legs, 0.0, 1.0, &config, 1.0 / 60.0);
-        let after = pelvis.advance(&legs, 0.17, 1.0, &config, 1e-4);
-        assert!((after + 0.17).abs() < 1e-3, "the body hopped by {} m", 0.17 + after);
+        let frame = PelvisFrame { weight: 1.0, config: &config, dt: 1.0 / 60.0 };
+        pelvis.advance(&legs, 0.0, 0.0, &frame);
+        let after = 0.17
+            + pelvis.advance(&legs.map(|leg| LegReach { hip: leg.hip + Vec3::Y * 0.17, ..leg }), 0.0, 0.17, &frame);
+        assert!(after.abs() < 1e-3, "the body hopped by {after} m");
+    }
+
+    #[test]
+    fn a_body_whose_feet_have_climbed_climbs_after_them() {
+        let (config, mut pelvis) = (FootIkConfig::default(), PelvisState::default());
+        let legs = [leg(0.26), leg(0.26)];
+        let frame = PelvisFrame { weight: 1.0, config: &config, dt: 1.0 / 60.0 };
+        pelvis.advance(&legs, 0.0, 0.0, &frame);
+        let risen = (0..60).map(|_| pelvis.advance(&legs, 0.17, 0.0, &frame)).fold(0.0, f32::max);
+        assert!((risen - 0.17).abs() < 1e-3, "risen by {risen} m of 0.17");
     }
 }

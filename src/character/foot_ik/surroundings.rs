@@ -26,6 +26,8 @@ pub struct AnimatedFoot {
     pub contact: f32,
     /// Seconds until it lands, while it swings.
     pub time_to_contact: f32,
+    /// Share of its swing that has passed, 0..1; 1 on the ground.
+    pub swing: f32,
     /// Where its ball lands if the body keeps its course, world; the height doesn't matter.
     pub landing: Vec3,
     /// Direction that it points to when it lands.
@@ -67,6 +69,8 @@ pub struct PlacedFoot {
     pub sole: [Vec3; 3],
     /// The plane that it is placed on.
     pub plane: Plane,
+    /// World height, under the ball, of the ground that carries it; in the air of the way from the last ground to the next.
+    pub base: f32,
     /// Where the ball will land, world, and in how many seconds, while the foot is in the air.
     pub landing: Option<(Vec3, f32)>,
 }

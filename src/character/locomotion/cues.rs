@@ -16,6 +16,8 @@ pub struct FootCue {
     pub contact: f32,
     /// Seconds until it lands; 0 while it is on the ground.
     pub time_to_contact: f32,
+    /// Share of its swing that has passed, 0..1; 1 while it is on the ground.
+    pub swing: f32,
     /// Where its ball lands, model space of the landing's own time; `None` when no gait plays.
     pub landing_model: Option<Vec3>,
 }
@@ -55,7 +57,7 @@ fn flat_ball(pose: &Pose, leg: &Leg) -> Vec3 {
 /// What all playing clips together say of `foot` (0 left, 1 right).
 pub(super) fn cue(locomotion: &Locomotion, asset: &CharacterAsset, foot: usize) -> FootCue {
     let machine = &locomotion.machine;
-    let mut cue = FootCue::default();
+    let mut cue = FootCue { swing: 1.0, ..FootCue::default() };
     let mut heaviest = 0.0f32;
     let (mut landing, mut landing_weight) = (Vec3::ZERO, 0.0f32);
     for state in 0..machine.len() {
@@ -75,6 +77,7 @@ pub(super) fn cue(locomotion: &Locomotion, asset: &CharacterAsset, foot: usize) 
                 heaviest = weight;
                 let way = gait.phase_to_landing(foot, phase).unwrap_or(0.0);
                 cue.time_to_contact = way / machine.phase_rate().max(0.2);
+                cue.swing = gait.swing_share(foot, phase);
             }
         }
     }

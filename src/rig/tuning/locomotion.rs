@@ -123,8 +123,8 @@ impl Default for LocomotionConfig {
         Self {
             states: vec![
                 state("idle", Pace::Clock),
-                state("walk", Pace::Gait { start_phase: 0.2 }),
-                state("run", Pace::Gait { start_phase: 0.2 }),
+                state("walk", Pace::Gait { start_phase: 0.14 }),
+                state("run", Pace::Gait { start_phase: 0.05 }),
             ],
             transitions: vec![
                 change("idle", "run", Condition::SpeedAbove(2.4), 0.2),

@@ -1,0 +1,117 @@
+//! Where a flying foot will come down: ground that carries the whole sole, near where the clip would land.
+//!
+//! World space, metres, +Y up. Probes only when the place has moved; a decision stays from frame to frame, and is not
+//! changed any more shortly before contact.
+
+use bevy::prelude::*;
+
+use super::{
+    ground::{Footprint, Probe, find_room, footprint},
+    surroundings::{GroundFrames, Surroundings},
+    turns::limited_align,
+};
+use crate::math::spring::{Spring, damp, damp_quat};
+
+/// Seconds before contact from which the landing is not moved any more.
+const SETTLED: f32 = 0.1;
+/// Metres that a place may move before its ground is probed again.
+const MOVED: f32 = 0.01;
+/// Half-life in seconds over which a landing follows what is found; shorter when little time is left.
+const FOLLOW: f32 = 0.05;
+/// Metres under the heel from which on a landing hangs over an edge.
+const EDGE: f32 = 0.025;
+
+/// Where a foot will come down.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Landing {
+    /// The ball's place on the ground.
+    pub(super) place: Vec3,
+    /// Turn from upright to the ground there.
+    pub(super) align: Quat,
+    /// Whether the heel would hang over an edge.
+    pub(super) over_edge: bool,
+    /// Metres along the foot from where the clip would land to where there is room; smoothed, and as found.
+    shift: f32,
+    wanted_shift: f32,
+    height: Spring<f32>,
+    settled: Option<Vec3>,
+    /// Where the ground was probed last, as seen from which height, and what was there.
+    probed: Option<(Vec3, Option<Footprint>)>,
+    known: bool,
+}
+
+impl Landing {
+    /// Looks for room near `ball` and takes it at once. Without any ground the foot stays at `height`.
+    pub(super) fn plan<P: Probe, G: GroundFrames>(
+        &mut self,
+        ball: Vec3,
+        forward: Vec3,
+        height: f32,
+        around: &Surroundings<'_, P, G>,
+    ) {
+        self.known = false;
+        self.probed = None;
+        self.foresee(ball, forward, 1.0, height, around);
+    }
+
+    /// One frame: smooths where the foot will come down in `time_left` seconds, if the clip would land at `ball`.
+    pub(super) fn foresee<P: Probe, G: GroundFrames>(
+        &mut self,
+        ball: Vec3,
+        forward: Vec3,
+        time_left: f32,
+        height: f32,
+        around: &Surroundings<'_, P, G>,
+    ) {
+        let first = !self.known;
+        self.known = true;
+        self.probe(self.settled.unwrap_or(ball), forward, around);
+        let print = self.probed.and_then(|(_, print)| print);
+        let half_life = if first { 0.0 } else { FOLLOW.min(0.25 * time_left).max(0.01) };
+        self.shift = damp(self.shift, self.wanted_shift, half_life, around.dt);
+        let level = print.map_or(height, |print| print.ball.point.y);
+        let align = print.map_or(Quat::IDENTITY, |print| limited_align(print.normal, forward, around.config));
+        if first {
+            self.height = Spring::at(level);
+            self.align = align;
+        }
+        self.height.step(level, half_life, around.dt);
+        self.align = damp_quat(self.align, align, half_life, around.dt);
+        self.over_edge = print.is_some_and(|print| print.heel_gap > EDGE);
+        if time_left < SETTLED && self.settled.is_none() {
+            self.settled = Some(ball + forward * self.wanted_shift);
+            self.shift -= self.wanted_shift;
+            self.wanted_shift = 0.0;
+        }
+        self.place = (self.settled.unwrap_or(ball) + forward * self.shift).with_y(self.height.value);
+    }
+
+    /// The footprint at `ball`, on the ground.
+    pub(super) fn print_at<P: Probe, G: GroundFrames>(
+        &self,
+        ball: Vec3,
+        forward: Vec3,
+        around: &Surroundings<'_, P, G>,
+    ) -> Option<Footprint> {
+        footprint(around.probe, around.reach, ball, forward, around.sole)
+    }
+
+    fn probe<P: Probe, G: GroundFrames>(&mut self, ball: Vec3, forward: Vec3, around: &Surroundings<'_, P, G>) {
+        // A body that rises or sinks may be carried by its ground.
+        let seen = ball.with_y(around.reach.top);
+        if self.probed.is_some_and(|(last, _)| last.distance(seen) < MOVED) {
+            return;
+        }
+        let print = if self.settled.is_some() {
+            self.print_at(ball, forward, around)
+        } else {
+            let most = around.config.landing_shift;
+            let found = find_room(around.probe, around.reach, ball, forward, around.sole, self.wanted_shift, most);
+            found.map(|(shift, print)| {
+                self.wanted_shift = shift;
+                print
+            })
+        };
+        self.probed = Some((seen, print));
+    }
+}
