@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use super::{
     flight::Flight,
     ground::{Footprint, Plane, Probe},
-    landing::Landing,
+    landing::{Landing, print_at},
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
     turns::{flattening, limited_align},
 };
@@ -259,7 +259,8 @@ impl FootState {
         around: &Surroundings<'_, P, G>,
     ) {
         // The ball's ground carries the foot even while the heel touches first: one plane per stance.
-        let Some(Footprint { ball: hit, normal, .. }) = self.landing.print_at(self.placed_ball, foot.forward, around)
+        let Some(Footprint { ball: hit, normal, .. }) =
+            self.landing.print_under(self.placed_ball, foot.forward, around)
         else {
             return;
         };
@@ -302,12 +303,24 @@ impl FootState {
         // The sole rolls from heel over ball to tip; what lies on the ground carries the lock.
         let [heel, ball, tip] = [foot.heel, foot.ball, foot.tip].map(|point| point.y - foot.floor);
         match plant.pivot {
-            Pivot::Heel if ball <= ROLLED + heel.max(0.0) => self.roll(Pivot::Ball, plant, plane, frame),
+            Pivot::Heel if ball <= ROLLED + heel.max(0.0) => {
+                self.roll(Pivot::Ball, plant, plane, frame);
+                self.lay_flat(foot, around);
+            }
             Pivot::Ball if ball > ROLLED + tip.max(0.0) && tip < heel => self.roll(Pivot::Tip, plant, plane, frame),
             Pivot::Tip if ball <= tip => self.roll(Pivot::Ball, plant, plane, frame),
             _ => {}
         }
         PlacedFoot { base: self.base, ..placed }
+    }
+
+    /// The forefoot is down: the ground under it carries the sole, unless that is across an edge.
+    fn lay_flat<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
+        let found = print_at(self.placed_ball, foot.forward, around);
+        if found.is_some_and(|print| (print.ball.point.y - self.base).abs() < ACROSS) {
+            self.landing = Landing::default();
+            self.plant_at(Pivot::Ball, foot, around);
+        }
     }
 
     /// The same plane carries the foot on, held by another point.
@@ -351,6 +364,8 @@ impl FootState {
     }
 }
 
+/// Metres of height between two grounds that don't carry one sole.
+const ACROSS: f32 = 0.05;
 /// Metres by which one end of the sole must be over the other to count as lifted.
 const ROLLED: f32 = 0.002;
 /// How much more a lock endures, in place and turn, while a gait plays.

@@ -24,16 +24,25 @@ pub trait Probe {
 /// Heights between which ground is looked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
-    /// World height at which rays start.
-    pub top: f32,
-    /// Length of a ray, metres.
-    pub length: f32,
+    /// The root, world: at its own height the ground is expected, and further off it may be as much higher or lower as
+    /// stairs rise.
+    pub root: Vec3,
+    /// Metres above the expected ground at which rays start.
+    pub up: f32,
+    /// Metres below it at which they end.
+    pub down: f32,
 }
+
+/// Rise over run that ground may have on the way from the root to a place: steep stairs have 0.9.
+const STEEPEST: f32 = 0.9;
 
 impl Reach {
     /// The ground at a horizontal place; the height of `place` doesn't matter.
     pub fn at(self, probe: &impl Probe, place: Vec3) -> Option<GroundHit> {
-        probe.down(Vec3::new(place.x, self.top, place.z), self.length)
+        let away = place - self.root;
+        let rise = STEEPEST * Vec2::new(away.x, away.z).length();
+        let start = Vec3::new(place.x, self.root.y + self.up + rise, place.z);
+        probe.down(start, self.up + self.down + 2.0 * rise)
     }
 }
 
@@ -85,7 +94,7 @@ const TOLERATED: f32 = 0.004;
 const SHIFT_STEP: f32 = 0.02;
 /// Metres of unevenness under a sole that a pitch of the foot takes up; more is an edge.
 const PITCHED: f32 = 0.06;
-/// Metres ahead of the ball that must still carry it: toes may hang over an edge, the ball not.
+/// Metres before and behind the ball that must still carry it: toes and heel may hang over an edge, the ball not.
 const FOOTING: f32 = 0.03;
 /// Metres that toes keep from a riser ahead, so that they clear it when they lift.
 const TOE_ROOM: f32 = 0.05;
@@ -105,7 +114,8 @@ pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, so
         slope += worst.1 / worst.0;
     }
     let riser = ground(sole.tip + TOE_ROOM) - under_ball.point.y - slope * (sole.tip + TOE_ROOM);
-    let edge = under_ball.point.y + slope * FOOTING - ground(FOOTING);
+    let drop = |along: f32| under_ball.point.y + slope * along - ground(along);
+    let edge = drop(FOOTING).max(drop(-FOOTING));
     let stuck = over(slope).into_iter().map(|point| point.1).fold(0.0, f32::max);
     // On the brink is bad, in a riser worse.
     let stuck = if edge > PITCHED { stuck.max(2.0 * TOLERATED) } else { stuck };
@@ -174,7 +184,7 @@ mod tests {
     }
 
     const SOLE: SoleShape = SoleShape { heel: 0.19, tip: 0.075, ankle: 0.135 };
-    const REACH: Reach = Reach { top: 3.0, length: 5.0 };
+    const REACH: Reach = Reach { root: Vec3::ZERO, up: 3.0, down: 3.0 };
 
     #[test]
     fn toes_never_land_inside_the_next_riser() {

@@ -18,6 +18,8 @@ const SETTLED: f32 = 0.1;
 const MOVED: f32 = 0.01;
 /// Half-life in seconds over which a landing follows what is found; shorter when little time is left.
 const FOLLOW: f32 = 0.05;
+/// Metres from the planned place within which a foot counts as landed there.
+const NEAR: f32 = 0.05;
 /// Metres under the heel from which on a landing hangs over an edge.
 const EDGE: f32 = 0.025;
 
@@ -86,24 +88,25 @@ impl Landing {
         self.place = (self.settled.unwrap_or(ball) + forward * self.shift).with_y(self.height.value);
     }
 
-    /// The footprint at `ball`, on the ground.
-    pub(super) fn print_at<P: Probe, G: GroundFrames>(
+    /// The footprint that carries a foot whose ball came down at `ball`: the one that was planned, if it is that.
+    pub(super) fn print_under<P: Probe, G: GroundFrames>(
         &self,
         ball: Vec3,
         forward: Vec3,
         around: &Surroundings<'_, P, G>,
     ) -> Option<Footprint> {
-        footprint(around.probe, around.reach, ball, forward, around.sole)
+        let planned = self.probed.and_then(|(_, print)| print);
+        planned.filter(|_| (ball - self.place).with_y(0.0).length() < NEAR).or_else(|| print_at(ball, forward, around))
     }
 
     fn probe<P: Probe, G: GroundFrames>(&mut self, ball: Vec3, forward: Vec3, around: &Surroundings<'_, P, G>) {
         // A body that rises or sinks may be carried by its ground.
-        let seen = ball.with_y(around.reach.top);
+        let seen = ball.with_y(around.reach.root.y);
         if self.probed.is_some_and(|(last, _)| last.distance(seen) < MOVED) {
             return;
         }
         let print = if self.settled.is_some() {
-            self.print_at(ball, forward, around)
+            print_at(ball, forward, around)
         } else {
             let most = around.config.landing_shift;
             let found = find_room(around.probe, around.reach, ball, forward, around.sole, self.wanted_shift, most);
@@ -114,4 +117,13 @@ impl Landing {
         };
         self.probed = Some((seen, print));
     }
+}
+
+/// The footprint at `ball`, on the ground.
+pub(super) fn print_at<P: Probe, G: GroundFrames>(
+    ball: Vec3,
+    forward: Vec3,
+    around: &Surroundings<'_, P, G>,
+) -> Option<Footprint> {
+    footprint(around.probe, around.reach, ball, forward, around.sole)
 }

@@ -211,8 +211,7 @@ impl Body<'_> {
     }
 
     fn reach(&self, config: &FootIkConfig) -> Reach {
-        let floor = self.root.translation.y;
-        Reach { top: floor + config.probe_up, length: config.probe_up + config.probe_down }
+        Reach { root: self.root.translation, up: config.probe_up, down: config.probe_down }
     }
 
     /// The foot as the clip has it, in world space, its stride warped to the ground speed.
