@@ -3,33 +3,27 @@
 //! World space, metres, +Y up. What the flight adds to the clip eases from take-off to landing with neither speed nor
 //! acceleration at both ends: a foot leaves its place without sliding and comes to rest on the next.
 
-use bevy::{math::ops, prelude::*};
+use bevy::prelude::*;
 
 use super::{
     foot::{FootState, Mode, flat},
     ground::{Plane, Probe},
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
+    way::Way,
 };
-use crate::math::{
-    rotation::direction_or,
-    spring::{damp, remaining},
-};
+use crate::math::spring::remaining;
 
 /// Depth in metres to which a flying foot may graze the ground.
 const TOUCH: f32 = 0.002;
 /// Half-life in seconds of a lift out of ground that nobody foresaw.
 const GUARD_HALF_LIFE: f32 = 0.06;
-/// Places between take-off and landing where obstacles are looked for.
-const PLACES: usize = 6;
-/// Metres by which a landing may move before the way is looked over again.
-const MOVED: f32 = 0.02;
-/// Half-life in seconds over which a new look at the way takes the place of the old one.
-const LOOK_HALF_LIFE: f32 = 0.03;
-/// Height in metres from which on an obstacle gets the full clearance.
-const OBSTACLE: f32 = 0.06;
 /// Share of the rest of a swing over which a foot that leaves late is held, and share of the swing from which on it is late.
 const HOLD: f32 = 0.4;
 const LATE: f32 = 0.15;
+/// Share of a swing in which a foot comes back from where it stood to where the clip has it.
+const LEFT: f32 = 1.0;
+/// Share of a step at both ends in which the foot only lifts or lowers.
+const UP: f32 = 0.15;
 /// Metres of a way that is too short to tell by place how much of it is done.
 const SHORT_WAY: f32 = 0.15;
 
@@ -51,18 +45,9 @@ pub(super) struct Flight {
     /// Share of the clip's swing that had passed at take-off, and of what was left then, that has passed by now.
     since: f32,
     share: f32,
-    obstacles: Obstacles,
+    way: Way,
     /// Lift out of ground that nobody foresaw, metres.
     guard: f32,
-}
-
-/// What stands between take-off and landing: heights over the line between them, metres.
-#[derive(Clone, Copy, Debug, Default)]
-struct Obstacles {
-    seen: [f32; PLACES],
-    heights: [f32; PLACES],
-    /// The landing that they were looked for.
-    landing: Option<Vec3>,
 }
 
 impl Flight {
@@ -117,7 +102,9 @@ impl FootState {
         let eased = ease(self.flight.advance(foot));
         self.landing.foresee(foot.landing, foot.landing_forward, time_left, self.base, around);
         let at_landing = flat(self.landing.place - foot.landing);
-        let ball = self.flight.held(foot.ball + self.flight.offset.lerp(at_landing, eased));
+        // What is left of the last place goes first, before the leg has to stretch for it.
+        let left = self.flight.offset * (1.0 - ease((self.flight.share / LEFT).min(1.0)));
+        let ball = self.flight.held(foot.ball + left + at_landing * eased);
         self.fly(ball, eased, time_left, foot, around)
     }
 
@@ -130,16 +117,15 @@ impl FootState {
         let elapsed = elapsed + around.dt;
         self.mode = Mode::Stepping { elapsed, seconds };
         let share = (elapsed / seconds).clamp(0.0, 1.0);
+        self.flight.share = share;
         let time_left = (seconds - elapsed).max(0.0);
         self.landing.foresee(foot.ball, foot.forward, time_left, self.base, around);
-        let eased = ease(share);
+        // Up before it goes over, and down after.
+        let eased = ease(((share - UP) / (1.0 - 2.0 * UP)).clamp(0.0, 1.0));
         let ball = self.flight.takeoff.lerp(self.landing.place, eased);
-        // Up at once, over, and down: the horizontal way is made while the foot is high.
         let arc = 4.0 * share * (1.0 - share);
-        let lift = around.config.step_height * arc * (2.0 - arc);
-        let placed = self.fly(ball, eased, time_left, foot, around);
-        self.flight.lift = lift;
-        placed
+        self.flight.lift = around.config.step_height * arc * arc;
+        self.fly(ball, eased, time_left, foot, around)
     }
 
     /// Carries the foot over the ground between take-off and landing.
@@ -153,16 +139,19 @@ impl FootState {
     ) -> PlacedFoot {
         let landing = self.landing.place;
         self.flight.follow_ground(around.frames);
-        self.flight.look(landing, foot.forward, around);
+        let normal = self.flight.align.slerp(self.landing.align, 0.5) * Vec3::Y;
+        self.flight.way.look([self.flight.takeoff, landing], foot.forward, normal, around);
         self.flight.ball = ball;
         let done = self.flight.done(landing, eased);
         self.yaw_offset = self.flight.yaw * (1.0 - eased);
         self.align = self.flight.align.slerp(self.landing.align, eased);
         self.flatten.step(if self.landing.over_edge { 1.0 } else { 0.0 }, 0.05, around.dt);
         self.base = self.flight.takeoff.y + (landing.y - self.flight.takeoff.y) * done;
-        let height = self.base + self.flight.obstacles.at(done);
-        let plane = Plane { point: ball.with_y(height), normal: self.align * Vec3::Y };
+        let normal = self.align * Vec3::Y;
+        let over = self.flight.way.lift(ball, self.flight.share);
+        let plane = Plane { point: ball.with_y(self.base + over), normal };
         let mut placed = self.place(foot, None, plane);
+        placed.takeoff = self.flight.takeoff;
         placed.landing = Some((landing, time_left));
         self.clear(&mut placed, around);
         placed
@@ -194,50 +183,6 @@ impl Flight {
         let sure = ((length - 0.5 * SHORT_WAY) / (0.5 * SHORT_WAY)).clamp(0.0, 1.0);
         (eased + (by_place - eased) * sure).clamp(0.0, 1.0)
     }
-
-    /// Looks over the way to `landing`, where it is new.
-    fn look<P: Probe, G: GroundFrames>(&mut self, landing: Vec3, forward: Vec3, around: &Surroundings<'_, P, G>) {
-        let obstacles = &mut self.obstacles;
-        let first = obstacles.landing.is_none();
-        if obstacles.landing.is_none_or(|last| last.distance(landing) > MOVED) {
-            obstacles.landing = Some(landing);
-            let way = flat(landing - self.takeoff);
-            let along = direction_or(way, forward);
-            let per_metre = 1.0 / way.length().max(SHORT_WAY);
-            let rise = landing.y - self.takeoff.y;
-            for (place, seen) in obstacles.seen.iter_mut().enumerate() {
-                let at = at_place(place);
-                // An edge counts as soon as the toes meet it, until the heel is past.
-                let over = [around.sole.tip, -around.sole.heel].map(|point| {
-                    let hit = around.reach.at(around.probe, self.takeoff + way * at + along * point);
-                    hit.map_or(0.0, |hit| hit.point.y - self.takeoff.y - rise * (at + point * per_metre).min(1.0))
-                });
-                let over = over[0].max(over[1]);
-                let clearance = around.config.clearance * (over / OBSTACLE).clamp(0.0, 1.0);
-                *seen = over.max(0.0) + clearance;
-            }
-        }
-        for (height, seen) in obstacles.heights.iter_mut().zip(obstacles.seen) {
-            *height = if first { seen } else { damp(*height, seen, LOOK_HALF_LIFE, around.dt) };
-        }
-    }
-}
-
-impl Obstacles {
-    /// Lift over the line, metres, once `done` of the way is made: every obstacle has a smooth hill of its own.
-    fn at(&self, done: f32) -> f32 {
-        let hill = |(place, height): (usize, &f32)| {
-            let at = at_place(place);
-            let way = if done < at { done / at } else { (1.0 - done) / (1.0 - at) };
-            height * ops::sin(core::f32::consts::FRAC_PI_2 * way.clamp(0.0, 1.0))
-        };
-        self.heights.iter().enumerate().map(hill).fold(0.0, f32::max)
-    }
-}
-
-/// Where on the way, 0..1, a place is looked at.
-fn at_place(place: usize) -> f32 {
-    (place as f32 + 0.5) / PLACES as f32
 }
 
 /// 0 to 1 with neither speed nor acceleration at both ends.
@@ -248,15 +193,6 @@ fn ease(t: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_foot_flies_over_every_obstacle_and_lands_without_lift() {
-        let mut obstacles = Obstacles::default();
-        obstacles.heights[3] = 0.2;
-        assert!(obstacles.at(0.0).abs() + obstacles.at(1.0).abs() < 1e-6, "lifted at take-off or landing");
-        let over = obstacles.at(at_place(3));
-        assert!((over - 0.2).abs() < 1e-6, "{over} m over an obstacle of 0.2 m");
-    }
 
     #[test]
     fn easing_starts_and_ends_at_rest() {

@@ -110,6 +110,8 @@ pub struct FootState {
     /// Horizontal metres from there to heel and tip.
     to_heel: Vec3,
     to_tip: Vec3,
+    /// Angle in radians by which the heel is lifted so that the leg reaches.
+    pub(super) heel: f32,
     /// Whether it has run before.
     awake: bool,
 }
@@ -311,7 +313,7 @@ impl FootState {
             Pivot::Tip if ball <= tip => self.roll(Pivot::Ball, plant, plane, frame),
             _ => {}
         }
-        PlacedFoot { base: self.base, ..placed }
+        PlacedFoot { base: self.base, takeoff: self.placed_ball.with_y(self.base), ..placed }
     }
 
     /// The forefoot is down: the ground under it carries the sole, unless that is across an edge.
@@ -359,6 +361,7 @@ impl FootState {
             sole: [heel, ball, tip].map(|offset| ankle + offset),
             plane,
             base: self.base,
+            takeoff: self.placed_ball.with_y(self.base),
             landing: None,
         }
     }
@@ -373,7 +376,7 @@ const PATIENCE: f32 = 1.5;
 /// Turn in radians against a standing body from which a foot steps round: 20°.
 const RESTEP_YAW: f32 = 0.35;
 /// Seconds of the shortest step.
-const HURRY: f32 = 0.12;
+const HURRY: f32 = 0.2;
 /// Half-life in seconds in which a foot that came down over or under its ground settles onto it.
 const SETTLE: f32 = 0.02;
 

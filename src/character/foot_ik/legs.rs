@@ -2,7 +2,7 @@
 //!
 //! Model space, metres. Reads and writes the local pose; model matrices are up to date before and after.
 
-use bevy::prelude::*;
+use bevy::{math::ops, prelude::*};
 
 use crate::{
     anim::{
@@ -76,30 +76,41 @@ pub fn place_leg(
     }
 }
 
-/// Turn about the ball, in model space, by which the heel lifts so that the ankle comes within `reach` of the hip.
+/// Angle in radians by which the heel lifts about the ball so that the ankle comes within `reach` of the hip.
 ///
-/// The identity where it is within reach already; at most 0.9 rad.
+/// 0 where it is within reach already. Never so far that lifting stops to help: the nearer foot and hip are to one line,
+/// the less is gained by a degree, so that a foot would whirl round for the last millimetres.
 #[must_use]
-pub fn heel_lift(hip: Vec3, ankle: Vec3, ball: Vec3, reach: f32) -> Quat {
-    let forward = (ball - ankle).with_y(0.0);
-    let side = Vec3::Y.cross(forward).normalize_or_zero();
-    if side == Vec3::ZERO || hip.distance(ankle) <= reach {
-        return Quat::IDENTITY;
+pub fn heel_lift(hip: Vec3, ankle: Vec3, ball: Vec3, reach: f32) -> f32 {
+    let Some(side) = lift_axis(ankle, ball) else { return 0.0 };
+    let (foot, leg) = (ankle - ball, hip - ball);
+    let aside = (leg - foot).dot(side);
+    let (foot, leg) = (foot - side * foot.dot(side), leg - side * leg.dot(side));
+    let most = ops::atan2(foot.cross(leg).dot(side), foot.dot(leg));
+    let product = foot.length() * leg.length();
+    if most <= 0.0 || product <= 1e-6 {
+        return 0.0;
     }
-    let turn = |angle: f32| from_scaled_axis(side * angle);
-    let (mut low, mut high) = (0.0f32, MOST_LIFT);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        let lifted = ball + turn(middle) * (ankle - ball);
-        if hip.distance(lifted) > reach { low = middle } else { high = middle }
-    }
-    turn(high)
+    // Law of cosines, for the angle between foot and leg at which the ankle is just within reach.
+    let cosine = (foot.length_squared() + leg.length_squared() + aside * aside - reach * reach) / (2.0 * product);
+    let needed = most - ops::acos(cosine.clamp(-1.0, 1.0));
+    needed.clamp(0.0, MOST_LIFT.min(USEFUL_LIFT * most))
+}
+
+/// Turn in model space that lifts the heel by `angle` radians about the ball.
+#[must_use]
+pub fn heel_turn(ankle: Vec3, ball: Vec3, angle: f32) -> Quat {
+    lift_axis(ankle, ball).map_or(Quat::IDENTITY, |side| from_scaled_axis(side * angle))
+}
+
+fn lift_axis(ankle: Vec3, ball: Vec3) -> Option<Vec3> {
+    Vec3::Y.cross((ball - ankle).with_y(0.0)).try_normalize()
 }
 
 /// Most that a heel lifts to reach, radians: toes bend by about 50° (clinical range 70–80°).
 const MOST_LIFT: f32 = 0.9;
-/// Halvings of the search for a heel's lift: 0.9 rad / 2^12 is 0.01°.
-const HALVINGS: usize = 12;
+/// Share of the way to where foot and leg are in line that a heel lifts.
+const USEFUL_LIFT: f32 = 0.6;
 
 /// Gives `joint` this rotation in model space, whatever its parent has become.
 pub fn keep_rotation(pose: &mut Pose, skeleton: &Skeleton, joint: JointIndex, rotation_model: Quat) {
@@ -135,9 +146,20 @@ mod tests {
     #[test]
     fn a_heel_lifts_just_as_far_as_the_hip_needs() {
         let (hip, ankle, ball) = (Vec3::Y, Vec3::new(0.0, 0.07, 0.3), Vec3::new(0.0, 0.0, 0.17));
-        let lift = heel_lift(hip, ankle, ball, 0.95);
+        let lift = heel_turn(ankle, ball, heel_lift(hip, ankle, ball, 0.95));
         let reach = (ball + lift * (ankle - ball)).distance(hip);
         assert!((reach - 0.95).abs() < 1e-3, "reaches to {reach} m");
-        assert_eq!(heel_lift(hip, ankle, ball, 1.2), Quat::IDENTITY);
+        let idle = heel_lift(hip, ankle, ball, 1.2);
+        assert!(idle.abs() < 1e-6, "lifts by {idle} without need");
+    }
+
+    #[test]
+    fn a_heel_never_whirls_round_as_the_hip_goes_out_of_reach() {
+        let (ankle, ball) = (Vec3::new(0.0, 0.07, 0.3), Vec3::new(0.0, 0.0, 0.17));
+        let angle = |step: i32| heel_lift(Vec3::new(0.0, 0.9, 0.17 - 0.002 * step as f32), ankle, ball, 0.9);
+        for step in 0..300 {
+            let turned = (angle(step + 1) - angle(step)).abs().to_degrees();
+            assert!(turned < 3.0, "{turned}° for 2 mm at step {step}");
+        }
     }
 }

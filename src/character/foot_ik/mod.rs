@@ -10,17 +10,20 @@ mod landing;
 mod legs;
 mod pelvis;
 mod probe;
+mod ride;
 mod surroundings;
 mod turns;
+mod way;
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
 
 pub use foot::{FootState, Mode, Pivot, Plant, Release};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
-pub use legs::{LegJoints, LegResult, heel_lift, keep_rotation, place_leg, shift_joint};
+pub use legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, place_leg, shift_joint};
 pub use pelvis::{LegReach, PelvisFrame, PelvisState, drop_for};
 pub use probe::{Frames, GroundFilter, PhysicsProbe};
+pub use ride::{Ride, ride};
 pub use surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings};
 
 use super::{
@@ -38,6 +41,8 @@ const TUNED_LEG: f32 = 0.875;
 
 /// Reach that the pelvis leaves to a lifted heel, as a fraction of the leg.
 const HEEL_SLACK: f32 = 0.04;
+/// Half-life in seconds in which a heel that needn't be lifted any more comes down.
+const HEEL_HALF_LIFE: f32 = 0.05;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.3;
 
@@ -161,8 +166,7 @@ impl FootIk {
         self.sink_pelvis(body, pose, &animated, &placed, ankles, config);
         for side in 0..2 {
             let placed = PlacedFoot { ankle: ankles[side], ..placed[side] };
-            let on_ball = self.feet[side].stands_on_forefoot();
-            self.legs[side] = body.solve_leg(pose, side, &placed, on_ball, self.weight, config);
+            self.legs[side] = body.solve_leg(pose, side, &placed, &mut self.feet[side], self.weight, config);
         }
     }
 
@@ -176,7 +180,9 @@ impl FootIk {
         config: &FootIkConfig,
     ) {
         let world_from_model = body.root.to_isometry();
-        let ground = 0.5 * (placed[0].base + placed[1].base);
+        let (motion, root) = (body.motion, body.root.translation);
+        let carried = motion.ground.map_or(0.0, |ground| ground.velocity.y);
+        let ride = ride(placed, root, motion.ground_velocity, carried);
         let legs = [0, 1].map(|side| {
             let leg = &body.asset.legs[side];
             let hip = world_from_model * pose.pose.position(leg.upper);
@@ -190,13 +196,13 @@ impl FootIk {
             };
             placed[side].landing.map_or(now, |(landing, seconds)| {
                 // By then the body rides over other ground.
-                let ride = ground + 0.5 * (landing.y - placed[side].base);
-                let now = LegReach { hip: now.hip + Vec3::Y * (ride - ground), ..now };
-                body.landed(now, landing, seconds, ride, &animated[side])
+                let then = ride.height + ride.speed * seconds;
+                let now = LegReach { hip: now.hip + Vec3::Y * (then - ride.height), ..now };
+                body.landed(now, landing, seconds, then, &animated[side])
             })
         });
         let frame = PelvisFrame { weight: self.weight, config, dt: body.dt };
-        let offset = self.pelvis.advance(&legs, ground, body.root.translation.y, &frame);
+        let offset = self.pelvis.advance(&legs, ride, root.y, &frame);
         if offset.abs() > 1e-6 {
             shift_joint(&mut pose.pose, &body.asset.skeleton, body.asset.hips, Vec3::Y * offset);
         }
@@ -287,7 +293,7 @@ impl Body<'_> {
         pose: &mut CharacterPose,
         side: usize,
         placed: &PlacedFoot,
-        on_ball: bool,
+        foot: &mut FootState,
         weight: f32,
         config: &FootIkConfig,
     ) -> LegResult {
@@ -304,12 +310,14 @@ impl Body<'_> {
         // The heel lifts about the toes' joint: that is where a foot bends.
         let rest = leg.toes.unwrap_or(leg.foot);
         let ball = ankle + turn_model * (pose.pose.position(rest) - pose.pose.position(leg.foot));
-        let lift = if on_ball && leg.toes.is_some() {
-            let hip = pose.pose.position(leg.upper);
-            Quat::IDENTITY.slerp(heel_lift(hip, ankle, ball, soft * leg.length()), weight)
-        } else {
-            Quat::IDENTITY
+        let needed = match leg.toes {
+            Some(_) if foot.stands_on_forefoot() => {
+                heel_lift(pose.pose.position(leg.upper), ankle, ball, soft * leg.length()) * weight
+            }
+            _ => 0.0,
         };
+        foot.heel = if needed > foot.heel { needed } else { damp(foot.heel, needed, HEEL_HALF_LIFE, self.dt) };
+        let lift = heel_turn(ankle, ball, foot.heel);
         let toes = leg.toes.map(|toes| (toes, turn_model * pose.pose.rotation(toes)));
         let rotation = lift * turn_model * pose.pose.rotation(leg.foot);
         let result = place_leg(
@@ -321,7 +329,7 @@ impl Body<'_> {
             Vec3::NEG_Z,
             Extension { soft, hard: config.extension.1 },
         );
-        if let Some((toes, rotation)) = toes.filter(|_| on_ball) {
+        if let Some((toes, rotation)) = toes.filter(|_| foot.heel > 0.0) {
             keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
         }
         result

@@ -6,10 +6,11 @@
 
 use bevy::prelude::*;
 
+use super::ride::Ride;
 use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
 
-/// Half-life in seconds in which the body follows the ground that carries its feet; that ground moves without jumps.
-const FOLLOW: f32 = 0.03;
+/// Half-life in seconds in which the body follows a change of the slope that it rides over.
+const FOLLOW: f32 = 0.15;
 /// How much slower the pelvis rises than it sinks: on a slope it stays where each stride needs it.
 const RISE_SLOWER: f32 = 3.0;
 
@@ -54,13 +55,17 @@ impl PelvisState {
         *self = Self::default();
     }
 
-    /// One frame: rides over `ground`, the world height of what carries the feet, with the root at `floor`.
-    pub fn advance(&mut self, legs: &[LegReach; 2], ground: f32, floor: f32, frame: &PelvisFrame<'_>) -> f32 {
+    /// One frame: rides over `ground`, with the root at the world height `floor`.
+    pub fn advance(&mut self, legs: &[LegReach; 2], ground: Ride, floor: f32, frame: &PelvisFrame<'_>) -> f32 {
         let PelvisFrame { weight, config, dt } = *frame;
         let most = config.pelvis_drop;
-        let ride = self.ground.get_or_insert(Spring::at(ground));
-        ride.step(ground, FOLLOW, dt);
-        ride.value = ride.value.clamp(floor - most, floor + most);
+        let ride = self.ground.get_or_insert(Spring { value: ground.height, velocity: ground.speed });
+        // What is behind the ground, in place and speed, springs back: an even slope is followed without lag.
+        let ahead = ride.value + ground.speed * dt;
+        let mut behind = Spring { value: ahead - ground.height, velocity: ride.velocity - ground.speed };
+        behind.step(0.0, FOLLOW, dt);
+        ride.value = (ground.height + behind.value).clamp(floor - most, floor + most);
+        ride.velocity = ground.speed + behind.velocity;
         let carried = (ride.value - floor) * weight;
         let raised = legs.map(|leg| LegReach { hip: leg.hip + Vec3::Y * carried, ..leg });
         let wanted = drop_for(&raised, config) * weight;
@@ -110,6 +115,10 @@ mod tests {
         LegReach { hip: Vec3::Y * 0.95, ankle: Vec3::Y * ankle, length: 0.875, animated: 0.86, slack: 0.0, weight: 1.0 }
     }
 
+    fn level(height: f32) -> Ride {
+        Ride { height, speed: 0.0 }
+    }
+
     #[test]
     fn level_feet_leave_the_pelvis_alone() {
         let drop = drop_for(&[leg(0.09), leg(0.09)], &FootIkConfig::default());
@@ -134,9 +143,14 @@ mod tests {
         let (config, mut pelvis) = (FootIkConfig::default(), PelvisState::default());
         let legs = [leg(0.09), leg(0.09)];
         let frame = PelvisFrame { weight: 1.0, config: &config, dt: 1.0 / 60.0 };
-        pelvis.advance(&legs, 0.0, 0.0, &frame);
+        pelvis.advance(&legs, level(0.0), 0.0, &frame);
         let after = 0.17
-            + pelvis.advance(&legs.map(|leg| LegReach { hip: leg.hip + Vec3::Y * 0.17, ..leg }), 0.0, 0.17, &frame);
+            + pelvis.advance(
+                &legs.map(|leg| LegReach { hip: leg.hip + Vec3::Y * 0.17, ..leg }),
+                level(0.0),
+                0.17,
+                &frame,
+            );
         assert!(after.abs() < 1e-3, "the body hopped by {after} m");
     }
 
@@ -145,8 +159,8 @@ mod tests {
         let (config, mut pelvis) = (FootIkConfig::default(), PelvisState::default());
         let legs = [leg(0.26), leg(0.26)];
         let frame = PelvisFrame { weight: 1.0, config: &config, dt: 1.0 / 60.0 };
-        pelvis.advance(&legs, 0.0, 0.0, &frame);
-        let risen = (0..60).map(|_| pelvis.advance(&legs, 0.17, 0.0, &frame)).fold(0.0, f32::max);
+        pelvis.advance(&legs, level(0.0), 0.0, &frame);
+        let risen = (0..60).map(|_| pelvis.advance(&legs, level(0.17), 0.0, &frame)).fold(0.0, f32::max);
         assert!((risen - 0.17).abs() < 1e-3, "risen by {risen} m of 0.17");
     }
 }
