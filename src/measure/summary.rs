@@ -3,7 +3,7 @@
 use bevy::{math::ops, prelude::*};
 
 use super::{
-    frame::Frame,
+    frame::{FootFrame, Frame},
     pelvis::accelerations,
     start::{Starts, starts},
 };
@@ -85,7 +85,7 @@ pub fn summarize_all(runs: &[&[Frame]]) -> Measures {
     let depth = |heights: &mut dyn Iterator<Item = f32>| heights.map(|height| -height).fold(0.0f32, f32::max);
     let mut penetration: Vec<f32> = feet().map(|foot| depth(&mut foot.heights()) * 1000.0).collect();
     let stances = frames().filter(|frame| frame.grounded).flat_map(|frame| &frame.feet).filter(|foot| foot.stance);
-    let mut float: Vec<f32> = stances.filter_map(|foot| foot.lowest()).map(|(_, h)| h.max(0.0) * 1000.0).collect();
+    let mut float: Vec<f32> = stances.filter_map(FootFrame::lowest).map(|(_, h)| h.max(0.0) * 1000.0).collect();
     let mut reach: Vec<f32> = feet().filter_map(|foot| foot.missed).map(|missed| missed * 1000.0).collect();
     let reach_mean = (!reach.is_empty()).then(|| reach.iter().sum::<f32>() / reach.len() as f32);
     let (mut pelvis, mut landing) = (Vec::new(), None);
@@ -205,7 +205,7 @@ fn percentile(values: &mut [f32], share: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::{Peak, frame::FootFrame};
+    use crate::measure::Peak;
 
     fn frame(time: f32, x: f32, height: f32) -> Frame {
         let foot = FootFrame {

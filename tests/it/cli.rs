@@ -141,7 +141,7 @@ fn the_gauntlet_needs_no_graphics_and_writes_table_json_and_figures() {
     assert!(line.contains("IK"), "{line}");
     let value: serde_json::Value = serde_json::from_str(&fs::read_to_string(&json).unwrap()).unwrap();
     let rows = value["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 2, "with and without foot IK: {value}");
+    assert_eq!(rows.len(), 3, "with foot IK, without, and by Bevy's own player: {value}");
     for row in rows {
         for key in ["world", "tape", "foot_ik", "measures", "bars", "pass"] {
             assert!(row.get(key).is_some(), "{key} is not in {row}");

@@ -2,11 +2,14 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::{measure::bars, testing::gauntlet::Row};
+use crate::{
+    measure::bars,
+    testing::gauntlet::{Feet, Row},
+};
 
 /// `{"rows": [{"world", "tape", "foot_ik", "measures": {name: value}, "bars": {name: limit}, "pass"}]}`.
 ///
-/// Names end in their unit. What could not be measured in a row is left out of its measures and bars.
+/// Names end in their unit. Rows of Bevy's own player have ", built-in" behind the tape. What could not be measured in a row is left out of its measures and bars.
 pub(super) fn text(rows: &[Row]) -> String {
     format!("{:#}\n", json!({ "rows": rows.iter().map(row).collect::<Vec<_>>() }))
 }
@@ -19,12 +22,17 @@ fn row(row: &Row) -> Value {
     };
     json!({
         "world": row.world,
-        "tape": row.tape,
-        "foot_ik": row.foot_ik,
+        "tape": tape(row),
+        "foot_ik": row.feet == Feet::Placed,
         "measures": map(|_, value| value),
         "bars": map(|line, _| line.limit),
         "pass": row.breaches.is_empty(),
     })
+}
+
+/// Bevy's own player has rows of its own.
+fn tape(row: &Row) -> String {
+    if row.feet == Feet::BuiltIn { format!("{}, built-in", row.tape) } else { row.tape.clone() }
 }
 
 /// To a millionth, so that 0.995 isn't 0.9950000047683716.
@@ -43,7 +51,7 @@ mod tests {
         let row = Row {
             world: "flat".to_owned(),
             tape: "walk".to_owned(),
-            foot_ik: true,
+            feet: Feet::Placed,
             breaches: bars.check(&measures),
             measures,
             bars,

@@ -2,6 +2,7 @@
 
 mod json;
 mod plot;
+mod readme;
 mod table;
 
 use std::{
@@ -14,12 +15,9 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use thiserror::Error;
 
-use crate::{
-    rig::character::CharacterAsset,
-    testing::{
-        Stage, StageError, World,
-        gauntlet::{Course, courses, run as run_all, with_and_without},
-    },
+use crate::testing::{
+    StageError,
+    gauntlet::{Course, Feet, Row, Runner, courses, jobs, run as run_all},
 };
 
 /// Flags of `surefoot gauntlet`.
@@ -37,6 +35,9 @@ pub struct GauntletOptions {
     /// Draws one figure a row into DIR: feet, ground, plants and pelvis over time, as SVG.
     #[arg(long, value_name = "DIR", num_args = 0..=1, default_missing_value = "target/gauntlet")]
     pub plot: Option<PathBuf>,
+    /// Runs the few rows that a README shows and writes their table into FILE, between its marks.
+    #[arg(long, value_name = "FILE", conflicts_with = "only", num_args = 0..=1, default_missing_value = "README.md")]
+    pub readme: Option<PathBuf>,
     /// Exits with 1 when a row with foot IK is over a bar.
     #[arg(long)]
     pub strict: bool,
@@ -87,15 +88,21 @@ const MANNEQUIN: &str = "mannequin.character.ron";
 /// # Errors
 /// [`GauntletError`]: nothing to run, or a file that can't be read or written.
 pub fn run(options: &GauntletOptions, assets: &Path) -> Result<bool, GauntletError> {
-    let courses = chosen(courses(), options.only.as_deref())?;
-    let character = load(options.character.as_deref(), assets)?;
-    let jobs = with_and_without(courses);
-    let bar = progress(jobs.len());
-    let rows = run_all(&jobs, &character, |_| tick(&bar));
-    bar.finish_and_clear();
+    let mut courses = chosen(courses(), options.only.as_deref())?;
+    if options.readme.is_some() {
+        courses.retain(readme::shows);
+    }
+    let runner = load(options.character.as_deref(), assets)?;
+    let rows = measured(&courses, &runner)?;
     print!("{}", table::Comparison(&rows));
     if let Some(file) = &options.json {
         write(file, &json::text(&rows))?;
+    }
+    if let Some(file) = &options.readme {
+        let text = fs::read_to_string(file).map_err(|error| GauntletError::file(file, error))?;
+        let text =
+            readme::updated(&text, &rows).ok_or_else(|| GauntletError::file(file, "no marks to write between"))?;
+        write(file, &text)?;
     }
     if let Some(folder) = &options.plot {
         for row in &rows {
@@ -105,7 +112,23 @@ pub fn run(options: &GauntletOptions, assets: &Path) -> Result<bool, GauntletErr
         }
         println!("{} figures in {}", rows.len(), folder.display());
     }
-    Ok(rows.iter().all(|row| !row.foot_ik || row.breaches.is_empty()))
+    Ok(rows.iter().all(|row| row.feet != Feet::Placed || row.breaches.is_empty()))
+}
+
+/// All rows of these courses: with foot IK, without, and as Bevy's own player animates, if it can play this character.
+fn measured(courses: &[Course], runner: &Runner) -> Result<Vec<Row>, GauntletError> {
+    let all = [Feet::Placed, Feet::AsClips, Feet::BuiltIn];
+    let feet = if plays_built_in(runner) { &all[..] } else { &all[..2] };
+    let jobs = jobs(courses, feet);
+    let bar = progress(jobs.len());
+    let rows = run_all(&jobs, runner, || tick(&bar))?;
+    bar.finish_and_clear();
+    Ok(rows)
+}
+
+/// Whether the character's model itself has the clips that Bevy's player would play: it can't borrow those of other files.
+fn plays_built_in(runner: &Runner) -> bool {
+    ["idle", "walk", "run"].iter().all(|name| runner.character.rig.clip(name).is_some())
 }
 
 /// The courses whose world and tape hold `text`.
@@ -126,11 +149,11 @@ fn chosen(courses: Vec<Course>, text: Option<&str>) -> Result<Vec<Course>, Gaunt
         worlds: listed(|course| &course.world.name),
         tapes: listed(|course| &course.tape.name),
     };
-    let error = (!courses.iter().any(holds)).then(error);
-    error.map_or_else(|| Ok(courses.iter().filter(|course| holds(course)).cloned().collect()), Err)
+    let chosen: Vec<Course> = courses.iter().filter(|course| holds(course)).cloned().collect();
+    if chosen.is_empty() { Err(error()) } else { Ok(chosen) }
 }
 
-fn load(file: Option<&Path>, assets: &Path) -> Result<CharacterAsset, GauntletError> {
+fn load(file: Option<&Path>, assets: &Path) -> Result<Runner, GauntletError> {
     let (folder, name) = match file {
         None => (assets.to_path_buf(), MANNEQUIN.to_owned()),
         Some(file) => {
@@ -141,7 +164,7 @@ fn load(file: Option<&Path>, assets: &Path) -> Result<CharacterAsset, GauntletEr
             (whole.parent().unwrap_or(Path::new("/")).to_path_buf(), name)
         }
     };
-    Ok(Stage::new(&World::flat(), &folder).load_character(&name)?)
+    Ok(Runner::load(&folder, &name)?)
 }
 
 fn write(file: &Path, text: &str) -> Result<(), GauntletError> {

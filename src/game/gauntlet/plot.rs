@@ -10,7 +10,10 @@ use plotters::{
     },
 };
 
-use crate::{measure::frame::Frame, testing::gauntlet::Row};
+use crate::{
+    measure::frame::Frame,
+    testing::gauntlet::{Feet, Row},
+};
 
 /// Width and height of a figure, pixels.
 const SIZE: (u32, u32) = (1000, 900);
@@ -30,7 +33,16 @@ pub(super) fn file_name(row: &Row) -> String {
         let dashed: String = text.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
         dashed.split('-').filter(|word| !word.is_empty()).collect::<Vec<_>>().join("-")
     };
-    format!("{}_{}_{}.svg", plain(&row.world), plain(&row.tape), if row.foot_ik { "ik" } else { "clip" })
+    format!("{}_{}_{}.svg", plain(&row.world), plain(&row.tape), words(row).0)
+}
+
+/// What moved the joints, for names of files and for titles.
+fn words(row: &Row) -> (&'static str, &'static str) {
+    match row.feet {
+        Feet::Placed => ("ik", "feet placed by IK"),
+        Feet::AsClips => ("clip", "feet as the clips have them"),
+        Feet::BuiltIn => ("bevy", "Bevy's own animation player"),
+    }
 }
 
 /// The figure as SVG text.
@@ -42,9 +54,8 @@ pub(super) fn figure(row: &Row) -> Result<String, Failure> {
 
 fn draw(area: &Panel<'_>, row: &Row) -> Result<(), Failure> {
     area.fill(&WHITE)?;
-    let feet = if row.foot_ik { "feet placed by IK" } else { "feet as the clips have them" };
-    let title = format!("{}, {}: {feet}", row.world, row.tape);
-    let (top, bottom) = area.titled(&title, ("sans-serif", 24))?.split_vertically(260);
+    let title = format!("{}, {}: {}", row.world, row.tape, words(row).1);
+    let (top, bottom) = area.titled(&title, ("sans-serif", 28))?.split_vertically(260);
     pelvis(&top, &row.frames)?;
     for (side, panel) in bottom.split_evenly((2, 1)).iter().enumerate() {
         foot(panel, side, &row.frames)?;
@@ -86,7 +97,7 @@ type Chart<'a> = ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf32, Ra
 
 /// Axes with a caption, seconds by metres.
 fn chart<'a>(panel: &Panel<'a>, caption: &str, times: Range<f32>, heights: Range<f32>) -> Result<Chart<'a>, Failure> {
-    let style = ("sans-serif", 16).into_font().color(&BLACK);
+    let style = ("sans-serif", 20).into_font().color(&BLACK);
     let mut chart = ChartBuilder::on(panel)
         .caption(caption, style)
         .margin(8)
@@ -97,8 +108,10 @@ fn chart<'a>(panel: &Panel<'a>, caption: &str, times: Range<f32>, heights: Range
         .configure_mesh()
         .light_line_style(WHITE)
         .bold_line_style(GRID)
+        .label_style(("sans-serif", 16))
+        .axis_desc_style(("sans-serif", 18))
         .x_label_formatter(&|time| format!("{time:.1}"))
-        .y_label_formatter(&|height| format!("{:.2}", height + 0.0))
+        .y_label_formatter(&|height| format!("{height:.2}").replace("-0.00", "0.00"))
         .x_desc("time, s")
         .y_desc("height over the root, m")
         .draw()?;
@@ -152,7 +165,7 @@ mod tests {
         Row {
             world: "ramp 10°".to_owned(),
             tape: "walk, run, walk".to_owned(),
-            foot_ik: true,
+            feet: Feet::Placed,
             measures: Measures::default(),
             bars: Bars::default(),
             breaches: Vec::new(),

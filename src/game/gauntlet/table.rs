@@ -1,4 +1,4 @@
-//! The gauntlet's rows as a table: each with foot IK, below it the same without. Pure.
+//! The gauntlet's rows as a table: each with foot IK, below it the same without, and as Bevy's own player has it. Pure.
 
 use core::fmt::{self, Display, Formatter};
 
@@ -7,7 +7,7 @@ use crate::{
         bars::{self, Bars},
         summary::Measures,
     },
-    testing::gauntlet::Row,
+    testing::gauntlet::{Feet, Row},
 };
 
 /// Figures that stand together.
@@ -52,11 +52,15 @@ impl Display for Comparison<'_> {
         writeln!(f, "{:<NAME$}  feet{}", "", heads.trim_end())?;
         writeln!(f, "{:<NAME$}  by  {}", "world, tape", parts.trim_end())?;
         for row in self.0 {
-            let name = if row.foot_ik { format!("{}, {}", row.world, row.tape) } else { String::new() };
-            let by = if row.foot_ik { "IK" } else { "clip" };
+            let by = match row.feet {
+                Feet::Placed => "IK",
+                Feet::AsClips => "clip",
+                Feet::BuiltIn => "bevy",
+            };
+            let name = if row.feet == Feet::Placed { format!("{}, {}", row.world, row.tape) } else { String::new() };
             writeln!(f, "{name:<NAME$}  {by:<4}{}", line(row).trim_end())?;
         }
-        let placed = || self.0.iter().filter(|row| row.foot_ik);
+        let placed = || self.0.iter().filter(|row| row.feet == Feet::Placed);
         let over = placed().filter(|row| !row.breaches.is_empty()).count();
         let bars = Bars::default().rows(&Measures::default());
         writeln!(f, "{:<NAME$}  bar {}", "", figures(&bars, |row| Some(row.limit)).trim_end())?;
@@ -105,12 +109,12 @@ fn brief(value: f32) -> String {
 mod tests {
     use super::*;
 
-    fn row(foot_ik: bool, skate: f32) -> Row {
+    fn row(feet: Feet, skate: f32) -> Row {
         let (bars, measures) = (Bars::flat(), Measures { skate, ..Measures::default() });
         Row {
             world: "flat".to_owned(),
             tape: "walk".to_owned(),
-            foot_ik,
+            feet,
             breaches: bars.check(&measures),
             measures,
             bars,
@@ -120,7 +124,7 @@ mod tests {
 
     #[test]
     fn a_row_stands_over_the_same_without_foot_ik_and_marks_what_is_over() {
-        let text = Comparison(&[row(true, 0.5), row(false, 1.5)]).to_string();
+        let text = Comparison(&[row(Feet::Placed, 0.5), row(Feet::AsClips, 1.5)]).to_string();
         let lines: Vec<&str> = text.lines().collect();
         assert!(lines[2].starts_with("flat, walk") && lines[2].contains("IK") && !lines[2].contains(OVER), "{text}");
         assert!(lines[3].trim_start().starts_with("clip") && lines[3].contains("1.5!"), "{text}");
