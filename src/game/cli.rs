@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use bevy::math::UVec2;
 use clap::{Args, Parser, Subcommand};
 
+use super::gauntlet::GauntletOptions;
+
 /// What the command line asks for.
 #[derive(Parser, Clone, Debug)]
 #[command(
@@ -17,7 +19,7 @@ use clap::{Args, Parser, Subcommand};
         one contact sheet, and a table of measures.",
     after_help = "In the window: WASD or left stick walks, Shift or right trigger runs, Space jumps, C crouches, mouse or right stick \
         looks around, wheel zooms, right mouse button or left trigger aims, F1 hides the help, F3 shows how the feet are placed.\n\
-        Exit codes: 0 all well, 1 the film could not be written, 2 wrong arguments, 3 the machine lacks a graphics driver, a display or the assets."
+        Exit codes: 0 all well, 1 the film or the gauntlet's files could not be written, or `--strict` found a bar broken, 2 wrong arguments, 3 the machine lacks a graphics driver, a display or the assets."
 )]
 pub struct Cli {
     /// What to do; nothing plays the game.
@@ -29,10 +31,12 @@ pub struct Cli {
 }
 
 /// What to do besides playing.
-#[derive(Subcommand, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Subcommand, Clone, Debug, PartialEq, Eq)]
 pub enum Command {
     /// Films a walk over the course into PNG frames and one contact sheet, and prints the measures.
     Film,
+    /// Sends a character over many grounds and prints how well it walked, with and without foot IK; figures over their bar are marked.
+    Gauntlet(GauntletOptions),
 }
 
 /// All flags.

@@ -4,6 +4,7 @@ pub mod cli;
 mod debug;
 pub mod engine;
 pub mod film;
+pub mod gauntlet;
 mod hud;
 mod input;
 mod level;
@@ -26,7 +27,7 @@ use preflight::{Missing, display, gpu};
 
 /// Exit code when the machine lacks something.
 const LACKS: u8 = 3;
-/// Exit code when the film went wrong.
+/// Exit code when the film or the gauntlet went wrong.
 const FAILED: u8 = 1;
 /// Width and height of the window, pixels.
 const WINDOW_SIZE: UVec2 = UVec2::new(1280, 720);
@@ -35,6 +36,9 @@ const WINDOW_SIZE: UVec2 = UVec2::new(1280, 720);
 #[must_use]
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
+    if let Some(Command::Gauntlet(options)) = &cli.command {
+        return run_gauntlet(options);
+    }
     let films = cli.command == Some(Command::Film);
     if !films && !display::exists() {
         eprintln!("No display (neither DISPLAY nor WAYLAND_DISPLAY is set): filming a walk instead.");
@@ -66,6 +70,24 @@ fn start(options: &Options, films: bool) -> Result<ExitCode, Missing> {
         AppExit::Success => ExitCode::SUCCESS,
         AppExit::Error(code) => ExitCode::from(code.get()),
     })
+}
+
+fn run_gauntlet(options: &gauntlet::GauntletOptions) -> ExitCode {
+    let assets = match preflight::assets::find() {
+        Ok(assets) => assets,
+        Err(missing) => {
+            eprintln!("surefoot: {missing}");
+            return ExitCode::from(LACKS);
+        }
+    };
+    match gauntlet::run(options, &assets) {
+        Ok(holds) if holds || !options.strict => ExitCode::SUCCESS,
+        Ok(_) => ExitCode::from(FAILED),
+        Err(error) => {
+            eprintln!("surefoot: {error}");
+            ExitCode::from(FAILED)
+        }
+    }
 }
 
 /// The game in a window.

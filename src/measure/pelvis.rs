@@ -7,6 +7,11 @@ const FLIGHT: f32 = 0.1;
 /// Seconds after touching ground that count as the landing.
 const LANDING: f32 = 0.3;
 
+/// Seconds between the three heights that an acceleration is found from, where frames are shorter.
+const STEP: f32 = 1.0 / 60.0;
+/// Seconds by which rounding may shorten a frame.
+const SLACK: f32 = 1e-4;
+
 /// Sizes of accelerations, m/s², in order of time.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Accelerations {
@@ -20,16 +25,19 @@ pub(super) struct Accelerations {
 pub(super) fn accelerations(frames: &[Frame]) -> Accelerations {
     let mut found = Accelerations::default();
     let flights = flights(frames);
-    for (middle, window) in (1..).zip(frames.windows(3)) {
-        let [a, b, c] = window else { continue };
-        let (first, second) = ((b.time - a.time).max(1e-4), (c.time - b.time).max(1e-4));
-        let change = (c.pelvis - b.pelvis) / second - (b.pelvis - a.pelvis) / first;
-        let acceleration = (change / (0.5 * (first + second))).abs();
-        let flies = |&(start, end): &(usize, usize)| start <= middle + 1 && middle + 1 < end;
-        let lands = |&(_, end): &(usize, usize)| {
-            middle + 1 >= end && frames.get(end).is_some_and(|touch| b.time <= touch.time + LANDING)
+    for (index, frame) in frames.iter().enumerate() {
+        let (Some(before), Some(after)) = (neighbour(frames, index, -1.0), neighbour(frames, index, 1.0)) else {
+            continue;
         };
-        if flights.iter().any(flies) {
+        let (first, second) = (frame.time - before.time, after.time - frame.time);
+        let change = (after.pelvis - frame.pelvis) / second - (frame.pelvis - before.pelvis) / first;
+        let acceleration = (change / (0.5 * (first + second))).abs();
+        let airborne = |flight: &Flight| (flight.start..flight.end).contains(&after.index);
+        let lands = |flight: &Flight| {
+            let touch = frames.get(flight.end).map(|touch| touch.time);
+            after.index >= flight.end && touch.is_some_and(|touch| frame.time <= touch + LANDING)
+        };
+        if flights.iter().any(airborne) {
             continue;
         }
         if flights.iter().any(lands) { &mut found.landing } else { &mut found.on_ground }.push(acceleration);
@@ -37,22 +45,62 @@ pub(super) fn accelerations(frames: &[Frame]) -> Accelerations {
     found
 }
 
-/// First frame in the air and first frame on the ground again of every flight.
-fn flights(frames: &[Frame]) -> Vec<(usize, usize)> {
+/// The pelvis a moment before or after a frame.
+struct Moment {
+    time: f32,
+    pelvis: f32,
+    /// The frame at or after it.
+    index: usize,
+}
+
+/// The pelvis 1/60 s from frame `index`, or a frame where frames are longer: so that all frame rates tell the same.
+fn neighbour(frames: &[Frame], index: usize, direction: f32) -> Option<Moment> {
+    let step = if direction > 0.0 { 1 } else { usize::MAX };
+    let (here, mut at) = (&frames[index], index);
+    loop {
+        let last = at;
+        at = at.wrapping_add(step);
+        let frame = frames.get(at)?;
+        let away = (frame.time - here.time).abs();
+        if away >= STEP - SLACK {
+            let before = &frames[last];
+            let way = if last == index {
+                1.0
+            } else {
+                (STEP - (before.time - here.time).abs()) / (frame.time - before.time).abs()
+            };
+            let time = before.time + (frame.time - before.time) * way;
+            return Some(Moment {
+                time,
+                pelvis: before.pelvis + (frame.pelvis - before.pelvis) * way,
+                index: at.max(last),
+            });
+        }
+    }
+}
+
+/// First frame in the air, and first on the ground again.
+struct Flight {
+    start: usize,
+    end: usize,
+}
+
+/// Every flight.
+fn flights(frames: &[Frame]) -> Vec<Flight> {
     let mut flights = Vec::new();
     let mut start = None;
     for (index, frame) in frames.iter().enumerate() {
         match (frame.grounded, start) {
             (false, None) => start = Some(index),
             (true, Some(first)) => {
-                flights.push((first, index));
+                flights.push(Flight { start: first, end: index });
                 start = None;
             }
             _ => {}
         }
     }
-    flights.extend(start.map(|first| (first, frames.len())));
-    let seconds = |&(first, end): &(usize, usize)| frames[end.min(frames.len() - 1)].time - frames[first].time;
+    flights.extend(start.map(|first| Flight { start: first, end: frames.len() }));
+    let seconds = |flight: &Flight| frames[flight.end.min(frames.len() - 1)].time - frames[flight.start].time;
     flights.retain(|flight| seconds(flight) > FLIGHT);
     flights
 }
@@ -78,6 +126,19 @@ mod tests {
         let [walking, landing] = [&found.on_ground, &found.landing].map(|a| a.iter().copied().fold(0.0, f32::max));
         assert!(walking < 0.1, "{walking} m/s² on the ground");
         assert!(landing > 200.0, "{landing} m/s² in the landing");
+    }
+
+    #[test]
+    fn all_frame_rates_see_the_same_acceleration() {
+        for hertz in [60.0, 144.0, 240.0] {
+            let frame = |index: usize| {
+                let time = index as f32 / hertz;
+                Frame { time, pelvis: 4.0 * time * time, grounded: true, ..Frame::default() }
+            };
+            let found = accelerations(&(0..100).map(frame).collect::<Vec<_>>()).on_ground;
+            let off = found.iter().map(|a| (a - 8.0).abs()).fold(0.0, f32::max);
+            assert!(found.len() > 90 && off < 1.0, "off by {off} m/s² at {hertz} Hz");
+        }
     }
 
     #[test]

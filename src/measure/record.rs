@@ -32,6 +32,8 @@ pub struct Recorder {
     motion: JointMotion,
     peaks: ClipPeaks,
     grounds: Vec<(Entity, Isometry3d)>,
+    /// Of each foot on no ground of its own: how far it slid, and its ball in the last frame.
+    slides: [Option<(Vec3, Vec3)>; 2],
 }
 
 /// Fills [`Recorder`]s.
@@ -106,16 +108,20 @@ impl Recorder {
                 }
             }
             let planted_ball = match seen.holds[side] {
-                Hold::Ball(ground) => {
-                    let ground = ground.or(hits[1].map(|hit| hit.entity));
-                    // Without what it moves along the world's vertical: a foot that lifts off a slope doesn't drift.
-                    ground.and_then(|ground| grounds.frame(ground)).map(|frame| {
-                        let into = frame.inverse();
-                        (into * sole[1]).reject_from_normalized(into.rotation * Vec3::Y)
-                    })
-                }
+                // Without what it moves along the world's vertical: a foot that lifts off a slope doesn't drift.
+                Hold::Ball(Some(ground)) => grounds.frame(ground).map(|frame| {
+                    let into = frame.inverse();
+                    (into * sole[1]).reject_from_normalized(into.rotation * Vec3::Y)
+                }),
+                // Slides from one solid to the next: what it moved over all of them counts.
+                Hold::Ball(None) => Some(match self.slides[side] {
+                    Some((slid, ball)) => (slid + sole[1] - ball - carried[1]).with_y(0.0),
+                    None => sole[1].with_y(0.0),
+                }),
                 Hold::Free | Hold::Stance => None,
             };
+            self.slides[side] =
+                planted_ball.filter(|_| seen.holds[side] == Hold::Ball(None)).map(|slid| (slid, sole[1]));
             let extension = extension(seen.pose, leg);
             let hardest = seen.asset.file.foot_ik.extension.1;
             FootFrame {
@@ -215,7 +221,11 @@ fn record(
             grounded: motion.ground.is_some(),
             wanted: intent.velocity,
             velocity: motion.ground_velocity,
-            holds: [0, 1].map(|side| hold(ik, locomotion, &pose.pose, &asset.legs[side], side)),
+            holds: [0, 1].map(|side| {
+                let leg = &asset.legs[side];
+                // Nothing holds a foot in the air, whatever the clip thinks.
+                if motion.ground.is_some() { hold(ik, locomotion, &pose.pose, leg, side) } else { Hold::Free }
+            }),
             missed: [0, 1].map(|side| ik.placed[side].map(|_| ik.legs[side].missed)),
             playing: &playing(asset, locomotion),
         };

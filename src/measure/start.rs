@@ -11,6 +11,8 @@ const BEFORE: usize = 10;
 /// A pose changes when a joint gets faster than this many times its speed in standing, and by `CLEARLY` m/s.
 const FASTER: f32 = 1.5;
 const CLEARLY: f32 = 0.02;
+/// Speed in m/s of a joint in standing above which a change can't be told: a foot is still being put down.
+const RESTLESS: f32 = 0.1;
 
 /// The slowest of all starts from standing; `None` where there was none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,7 +55,7 @@ pub(super) fn starts(frames: &[Frame]) -> Starts {
         let rest = &rest[..same];
         let idle = before.iter().map(|frame| frame.pose_speed).fold(0.0, f32::max);
         let changed = rest.iter().position(|frame| frame.pose_speed > FASTER * idle + CLEARLY);
-        let count = changed.unwrap_or(same) as f32 + 1.0;
+        let count = (idle < RESTLESS).then_some(changed.unwrap_or(same) as f32 + 1.0);
         let direction = wanted.normalize_or_zero();
         let last = rest.len() - 1;
         let reached = [0.63, 0.9].map(|share| {
@@ -62,7 +64,7 @@ pub(super) fn starts(frames: &[Frame]) -> Starts {
         });
         let walks = wanted.length() < RUN;
         let (walk, run) = (walks.then_some(reached), (!walks).then_some(reached));
-        starts = starts.slowest(Starts { frames: Some(count), walk, run });
+        starts = starts.slowest(Starts { frames: count, walk, run });
     }
     starts
 }

@@ -18,7 +18,7 @@ pub struct Measures {
     /// The same, worst stance.
     pub drift_max: f32,
     /// Mean over frames of v · (2 − 2^clamp(h/2.5 cm, 0, 1)), v the horizontal speed over the ground of the lowest sole
-    /// point and h its height, cm/s (Zhang et al. 2018, "Mode-Adaptive Neural Networks", 8.1).
+    /// point of both feet and h its height, cm/s (after Zhang et al. 2018, "Mode-Adaptive Neural Networks", 8.1).
     pub skate: f32,
     /// Depth of sole points under ground, mm, 99th percentile of frames.
     pub penetration_p99: f32,
@@ -67,6 +67,9 @@ const SKATE_HEIGHT: f32 = 0.025;
 /// Bend in radians from which a knee is bent backward; rounding is less.
 const BACKWARD: f32 = -0.5 * core::f32::consts::PI / 180.0;
 
+/// Seconds over which the change of a knee is told.
+const KNEE_STEP: f32 = 1.0 / 60.0;
+
 /// Figures of a run, in order of time.
 #[must_use]
 pub fn summarize(frames: &[Frame]) -> Measures {
@@ -82,7 +85,7 @@ pub fn summarize_all(runs: &[&[Frame]]) -> Measures {
     let depth = |heights: &mut dyn Iterator<Item = f32>| heights.map(|height| -height).fold(0.0f32, f32::max);
     let mut penetration: Vec<f32> = feet().map(|foot| depth(&mut foot.heights()) * 1000.0).collect();
     let stances = frames().filter(|frame| frame.grounded).flat_map(|frame| &frame.feet).filter(|foot| foot.stance);
-    let mut float: Vec<f32> = stances.filter_map(|foot| foot.lowest()).map(|(_, h)| h.max(0.0) * 1000.0).collect();
+    let mut float: Vec<f32> = stances.filter_map(FootFrame::lowest).map(|(_, h)| h.max(0.0) * 1000.0).collect();
     let mut reach: Vec<f32> = feet().filter_map(|foot| foot.missed).map(|missed| missed * 1000.0).collect();
     let reach_mean = (!reach.is_empty()).then(|| reach.iter().sum::<f32>() / reach.len() as f32);
     let (mut pelvis, mut landing) = (Vec::new(), None);
@@ -125,17 +128,24 @@ fn over(value: f32, reference: f32) -> f32 {
     if reference > 0.0 { value / reference } else { 0.0 }
 }
 
-/// Both frames of each foot in neighbouring frames, and the seconds between.
-fn steps<'a>(runs: &[&'a [Frame]]) -> impl Iterator<Item = (&'a FootFrame, &'a FootFrame, f32)> {
-    runs.iter().flat_map(|run| run.windows(2)).flat_map(|pair| {
-        let dt = (pair[1].time - pair[0].time).max(1e-4);
-        pair[0].feet.iter().zip(&pair[1].feet).map(move |(before, after)| (before, after, dt))
-    })
-}
-
+/// Largest change of a knee, degrees per 1/60 s; at higher frame rates over as many frames as that takes.
 fn knee_change(runs: &[&[Frame]]) -> f32 {
-    let change = |(before, after, dt): (&FootFrame, &FootFrame, f32)| (after.knee - before.knee).abs() / dt / 60.0;
-    steps(runs).map(change).fold(0.0, f32::max).to_degrees()
+    let mut largest = 0.0f32;
+    for run in runs {
+        let mut first = 0;
+        for frame in *run {
+            while run.get(first + 1).is_some_and(|next| next.time <= frame.time - 0.99 * KNEE_STEP) {
+                first += 1;
+            }
+            let before = &run[first];
+            let share = (frame.time - before.time) / KNEE_STEP;
+            if share > 0.9 {
+                let changes = before.feet.iter().zip(&frame.feet).map(|(a, b)| (b.knee - a.knee).abs() / share);
+                largest = changes.fold(largest, f32::max);
+            }
+        }
+    }
+    largest.to_degrees()
 }
 
 /// Per stance the largest horizontal distance of the planted ball from where it was planted, mm.
@@ -167,9 +177,14 @@ fn drifts(frames: &[Frame]) -> Vec<f32> {
 
 fn skate(runs: &[&[Frame]]) -> f32 {
     let (mut sum, mut count) = (0.0f32, 0usize);
-    for (before, after, dt) in steps(runs) {
-        let Some((point, height)) = after.lowest() else { continue };
-        let moved = after.sole[point] - before.sole[point] - after.carried[point];
+    for pair in runs.iter().flat_map(|run| run.windows(2)) {
+        let dt = (pair[1].time - pair[0].time).max(1e-4);
+        // One foot of a walker stands while the other passes close over the ground: the lower one is asked.
+        let lowest = pair[0].feet.iter().zip(&pair[1].feet).filter_map(|(before, after)| {
+            let (point, height) = after.lowest()?;
+            Some((height, after.sole[point] - before.sole[point] - after.carried[point]))
+        });
+        let Some((height, moved)) = lowest.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
         let share = 2.0 - ops::exp2((height / SKATE_HEIGHT).clamp(0.0, 1.0));
         sum += moved.with_y(0.0).length() / dt * share * 100.0;
         count += 1;

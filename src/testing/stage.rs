@@ -50,6 +50,12 @@ impl Stage {
     /// A stage with this ground; asset paths are relative to the folder `assets`.
     #[must_use]
     pub fn new(ground: &Ground, assets: &Path) -> Self {
+        Self::with(ground, assets, |_| ())
+    }
+
+    /// A stage with this ground and whatever `build` adds to its app.
+    #[must_use]
+    pub fn with(ground: &Ground, assets: &Path, build: impl FnOnce(&mut App)) -> Self {
         let mut app = App::new();
         app.add_plugins((
             MinimalPlugins,
@@ -59,6 +65,7 @@ impl Stage {
             SurefootPlugins,
             MeasurePlugin,
         ));
+        build(&mut app);
         let mut stage = Self { app, dt: 1.0 / FRAME_RATE };
         stage.set_frame_rate(FRAME_RATE);
         for piece in &ground.pieces {
@@ -124,16 +131,24 @@ impl Stage {
     }
 
     fn load(&mut self, path: &str) -> Result<Handle<CharacterAsset>, StageError> {
-        let handle: Handle<CharacterAsset> = self.app.world().resource::<AssetServer>().load(path.to_owned());
+        let handle = self.app.world().resource::<AssetServer>().load(path.to_owned());
+        self.wait_for(&handle, path)?;
+        Ok(handle)
+    }
+
+    /// Waits until an asset is loaded, with time standing still. `path` is for the error's text.
+    ///
+    /// # Errors
+    /// When it can't be loaded.
+    pub fn wait_for<A: Asset>(&mut self, handle: &Handle<A>, path: &str) -> Result<(), StageError> {
         let error = |reason: String| StageError::Load { path: path.to_owned(), reason };
-        // Time stands still while files load.
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
         let mut outcome = Err(error("still not loaded after 20 s".to_owned()));
         for _ in 0..LOAD_UPDATES {
             self.app.update();
-            match self.app.world().resource::<AssetServer>().get_load_state(&handle) {
+            match self.app.world().resource::<AssetServer>().get_load_state(handle) {
                 Some(LoadState::Loaded) => {
-                    outcome = Ok(handle);
+                    outcome = Ok(());
                     break;
                 }
                 Some(LoadState::Failed(reason)) => {

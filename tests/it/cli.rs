@@ -45,8 +45,19 @@ fn help_explains_every_flag_and_the_controls() {
     let output = surefoot().arg("--help").output().unwrap();
     let help = text(&output.stdout);
     assert!(output.status.success(), "--help failed: {}", text(&output.stderr));
-    for word in ["film", "--out", "--seconds", "--size", "--fps", "--seed", "--telemetry", "--fullscreen", "WASD", "F3"]
-    {
+    for word in [
+        "film",
+        "gauntlet",
+        "--out",
+        "--seconds",
+        "--size",
+        "--fps",
+        "--seed",
+        "--telemetry",
+        "--fullscreen",
+        "WASD",
+        "F3",
+    ] {
         assert!(help.contains(word), "{word} is not in the help:\n{help}");
     }
 }
@@ -110,4 +121,40 @@ fn a_film_is_frames_a_contact_sheet_and_a_table() {
     assert!(colours.len() > 100, "the first picture has {} colours", colours.len());
     assert!(first != last, "first and last picture are the same");
     assert!(said.contains("plant drift"), "no table of measures in:\n{said}");
+}
+
+#[test]
+fn the_gauntlet_needs_no_graphics_and_writes_table_json_and_figures() {
+    let folder = Folder::new("gauntlet");
+    let json = folder.0.join("rows.json");
+    let output = surefoot()
+        .args(["gauntlet", "--only", "flat stand", "--plot"])
+        .arg(folder.0.join("figures"))
+        .arg("--json")
+        .arg(&json)
+        .env("VK_DRIVER_FILES", "/nonexistent.json")
+        .output()
+        .unwrap();
+    let (said, warned) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success(), "exit {:?}: {said}{warned}", output.status.code());
+    let line = said.lines().find(|line| line.starts_with("flat, stand")).unwrap_or_else(|| panic!("no row: {said}"));
+    assert!(line.contains("IK"), "{line}");
+    let value: serde_json::Value = serde_json::from_str(&fs::read_to_string(&json).unwrap()).unwrap();
+    let rows = value["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 3, "with foot IK, without, and by Bevy's own player: {value}");
+    for row in rows {
+        for key in ["world", "tape", "foot_ik", "measures", "bars", "pass"] {
+            assert!(row.get(key).is_some(), "{key} is not in {row}");
+        }
+        assert!(row["measures"]["drift_max_mm"].as_f64().unwrap() >= 0.0, "{row}");
+    }
+    assert!(folder.0.join("figures/flat_stand_ik.svg").is_file(), "no figure: {said}");
+}
+
+#[test]
+fn a_gauntlet_without_rows_says_what_there_is() {
+    let output = surefoot().args(["gauntlet", "--only", "swamp"]).output().unwrap();
+    let lines = own_lines(&output);
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(lines.len() == 1 && lines[0].contains("rubble") && lines[0].contains("S-curve"), "{lines:?}");
 }

@@ -7,6 +7,7 @@
 mod camera;
 mod character_file;
 mod clips;
+mod determinism;
 mod feet;
 mod gltf_file;
 mod layers;

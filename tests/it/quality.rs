@@ -4,24 +4,19 @@ use std::{collections::BTreeSet, sync::OnceLock};
 
 use surefoot::{
     measure::table::Table,
-    rig::character::CharacterAsset,
-    testing::{
-        Stage, World,
-        gauntlet::{Job, assert_within, courses, run},
-    },
+    testing::gauntlet::{Feet, Runner, assert_within, courses, jobs, run},
 };
 
 /// The mannequin, loaded once.
-fn mannequin() -> &'static CharacterAsset {
-    static MANNEQUIN: OnceLock<CharacterAsset> = OnceLock::new();
-    MANNEQUIN.get_or_init(|| Stage::on(&World::flat()).load_character("mannequin.character.ron").unwrap())
+fn mannequin() -> &'static Runner {
+    static MANNEQUIN: OnceLock<Runner> = OnceLock::new();
+    MANNEQUIN.get_or_init(|| Runner::mannequin().unwrap())
 }
 
 fn assert_bars_hold_on(world: &str) {
-    let courses = courses().into_iter().filter(|course| course.world.name == world);
-    let jobs: Vec<Job> = courses.map(|course| Job { course, foot_ik: true }).collect();
-    assert!(!jobs.is_empty(), "no course is on {world}");
-    let rows = run(&jobs, mannequin(), |_| ());
+    let courses: Vec<_> = courses().into_iter().filter(|course| course.world.name == world).collect();
+    assert!(!courses.is_empty(), "no course is on {world}");
+    let rows = run(&jobs(&courses, &[Feet::Placed]), mannequin(), || ()).unwrap();
     for row in &rows {
         println!("{} / {}\n{}", row.world, row.tape, Table(&row.bars.rows(&row.measures)));
     }

@@ -1,6 +1,7 @@
 //! Runs courses, several at a time.
 
 use std::{
+    path::{Path, PathBuf},
     sync::{
         Mutex, PoisonError,
         atomic::{AtomicUsize, Ordering},
@@ -8,9 +9,7 @@ use std::{
     thread,
 };
 
-use bevy::prelude::*;
-
-use super::Course;
+use super::{Course, built_in};
 use crate::{
     measure::{
         bars::{Bars, Breach, listed},
@@ -18,16 +17,58 @@ use crate::{
         summary::{Measures, summarize_all},
     },
     rig::character::CharacterAsset,
-    testing::stage::Stage,
+    testing::{
+        stage::{Stage, StageError},
+        world::World,
+    },
 };
+
+/// Who runs: a character's file, and the folder that its paths start at.
+#[derive(Clone, Debug)]
+pub struct Runner {
+    /// The character.
+    pub character: CharacterAsset,
+    /// The folder of assets.
+    pub assets: PathBuf,
+}
+
+impl Runner {
+    /// The character of `file`, a path in the folder `assets`.
+    ///
+    /// # Errors
+    /// When it can't be loaded.
+    pub fn load(assets: &Path, file: &str) -> Result<Self, StageError> {
+        let character = Stage::new(&World::flat(), assets).load_character(file)?;
+        Ok(Self { character, assets: assets.to_path_buf() })
+    }
+
+    /// This crate's mannequin, from its source folder.
+    ///
+    /// # Errors
+    /// When it can't be loaded.
+    pub fn mannequin() -> Result<Self, StageError> {
+        Self::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets")), "mannequin.character.ron")
+    }
+}
+
+/// What moves the body's joints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Feet {
+    /// This crate's animation, its feet placed by foot IK.
+    Placed,
+    /// This crate's animation without foot IK.
+    AsClips,
+    /// Bevy's own `AnimationPlayer` and graph with the same clips, as a game without this crate has them.
+    BuiltIn,
+}
 
 /// A course to be run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Job {
     /// The course.
     pub course: Course,
-    /// Whether feet are placed.
-    pub foot_ik: bool,
+    /// What moves the joints.
+    pub feet: Feet,
 }
 
 /// What came of a job.
@@ -37,8 +78,8 @@ pub struct Row {
     pub world: String,
     /// Name of the tape.
     pub tape: String,
-    /// Whether feet were placed.
-    pub foot_ik: bool,
+    /// What moved the joints.
+    pub feet: Feet,
     /// What was measured, all walkers together.
     pub measures: Measures,
     /// What it is held to.
@@ -49,27 +90,30 @@ pub struct Row {
     pub frames: Vec<Frame>,
 }
 
-/// Each course twice: with foot IK, then without.
+/// Each course once for each of `feet`, in this order.
 #[must_use]
-pub fn with_and_without(courses: Vec<Course>) -> Vec<Job> {
-    let both = |course: Course| [true, false].map(|foot_ik| Job { course: course.clone(), foot_ik });
-    courses.into_iter().flat_map(both).collect()
+pub fn jobs(courses: &[Course], feet: &[Feet]) -> Vec<Job> {
+    let each =
+        |course: &Course| feet.iter().map(|feet| Job { course: course.clone(), feet: *feet }).collect::<Vec<_>>();
+    courses.iter().flat_map(each).collect()
 }
 
 /// Seconds of standing before the recording.
 const SETTLING: f32 = 0.5;
 
-/// Runs all jobs with this character on all cores; `done` hears of each as it ends. Rows come in the order of `jobs`.
-pub fn run(jobs: &[Job], character: &CharacterAsset, done: impl Fn(&Row) + Sync) -> Vec<Row> {
+/// Runs all jobs on all cores; `done` hears of each as it ends. Rows come in the order of `jobs`.
+///
+/// # Errors
+/// When a job needs a file that can't be loaded.
+pub fn run(jobs: &[Job], runner: &Runner, done: impl Fn() + Sync) -> Result<Vec<Row>, StageError> {
     let next = AtomicUsize::new(0);
     let rows = Mutex::new(Vec::with_capacity(jobs.len()));
     let work = || {
-        while let Some((index, job)) = {
+        loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            jobs.get(index).map(|job| (index, job))
-        } {
-            let row = job.run(character);
-            done(&row);
+            let Some(job) = jobs.get(index) else { break };
+            let row = job.run(runner);
+            done();
             rows.lock().unwrap_or_else(PoisonError::into_inner).push((index, row));
         }
     };
@@ -86,13 +130,21 @@ pub fn run(jobs: &[Job], character: &CharacterAsset, done: impl Fn(&Row) + Sync)
 
 impl Job {
     /// Runs it.
-    #[must_use]
-    pub fn run(&self, character: &CharacterAsset) -> Row {
+    ///
+    /// # Errors
+    /// When it needs a file that can't be loaded.
+    pub fn run(&self, runner: &Runner) -> Result<Row, StageError> {
         let Course { world, tape, starts } = &self.course;
-        let mut character = character.clone();
-        character.file.foot_ik.enabled = self.foot_ik;
-        let mut stage = Stage::on(world);
-        let walkers = stage.spawn_loaded(character, starts);
+        let (mut stage, walkers) = match self.feet {
+            Feet::Placed | Feet::AsClips => {
+                let mut character = runner.character.clone();
+                character.file.foot_ik.enabled = self.feet == Feet::Placed;
+                let mut stage = Stage::new(world, &runner.assets);
+                let walkers = stage.spawn_loaded(character, starts);
+                (stage, walkers)
+            }
+            Feet::BuiltIn => built_in::stage(world, runner, starts)?,
+        };
         stage.run_for(SETTLING);
         for walker in &walkers {
             stage.start_recording(*walker);
@@ -100,15 +152,15 @@ impl Job {
         stage.play_all(&walkers, tape);
         let runs: Vec<&[Frame]> = walkers.iter().map(|walker| stage.frames(*walker)).collect();
         let (measures, bars) = (summarize_all(&runs), world.bars());
-        Row {
+        Ok(Row {
             world: world.name.clone(),
             tape: tape.name.clone(),
-            foot_ik: self.foot_ik,
+            feet: self.feet,
             breaches: bars.check(&measures),
             measures,
             bars,
             frames: runs.first().map(|frames| frames.to_vec()).unwrap_or_default(),
-        }
+        })
     }
 }
 
