@@ -1,7 +1,7 @@
 //! Keeps the camera out of walls and above the ground.
 //!
 //! World space. A ball is swept from the target's axis to the arm's root and from there back along the arm; where it stops, the
-//! camera stops. In at once, out slowly.
+//! camera stops. In at once, out slowly. Narrow things such as posts and rails may come between: one looks past them.
 
 use avian3d::prelude::{Collider, ColliderOf, Sensor, ShapeCastConfig, SpatialQuery, SpatialQueryFilter};
 use bevy::{ecs::system::SystemParam, prelude::*};
@@ -36,7 +36,34 @@ impl Obstacles<'_, '_> {
             Err(_) => arm.axis,
         };
         let Ok(back) = Dir3::new(arm.rotation * Vec3::Z) else { return Room { root, free: 0.0 } };
-        Room { root, free: self.sweep(root, back, arm.length, target, config.ball) }
+        let free = self.sweep(root, back, arm.length, target, config.ball);
+        let narrow = free < arm.length
+            && self.fits(root + back * arm.length, target, config.ball)
+            && self.is_seen_past(root, arm, target, config.narrow);
+        Room { root, free: if narrow { arm.length } else { free } }
+    }
+
+    /// Whether a ball has room at `eye`.
+    fn fits(&self, eye: Vec3, target: Entity, ball: f32) -> bool {
+        let touch = ShapeCastConfig::from_max_distance(0.01);
+        let (ball, filter) = (Collider::sphere(ball), SpatialQueryFilter::default());
+        let seen = |entity: Entity| self.sees(entity, target);
+        let hit = self.spatial.cast_shape_predicate(&ball, eye, Quat::IDENTITY, Dir3::Y, &touch, &filter, &seen);
+        hit.is_none()
+    }
+
+    /// Whether lines `beside` metres to the left and right of the arm are free, or those above and below it.
+    fn is_seen_past(&self, root: Vec3, arm: &Arm, target: Entity, beside: f32) -> bool {
+        let way = arm.rotation * Vec3::Z * arm.length;
+        let free = |aside: Vec3| self.line_is_free(root + arm.rotation * aside * beside, way, target);
+        (free(Vec3::X) && free(Vec3::NEG_X)) || (free(Vec3::Y) && free(Vec3::NEG_Y))
+    }
+
+    fn line_is_free(&self, from: Vec3, way: Vec3, target: Entity) -> bool {
+        let Ok(toward) = Dir3::new(way) else { return false };
+        let filter = SpatialQueryFilter::default();
+        let seen = |entity: Entity| self.sees(entity, target);
+        self.spatial.cast_ray_predicate(from, toward, way.length(), true, &filter, &seen).is_none()
     }
 
     /// Metres by which a camera at `eye` must rise to be clear of the ground, as far as the ceiling allows.

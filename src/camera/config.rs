@@ -49,6 +49,10 @@ pub struct OrbitCameraConfig {
     pub ball: f32,
     /// Metres kept between the camera and the ground below it. Default 0.3.
     pub clearance: f32,
+    /// What leaves lines this many metres to both sides of it free is narrow: it may stand between camera and target. Default 0.45.
+    ///
+    /// Large: walls come between. 0: posts pull the camera in.
+    pub narrow: f32,
     /// Seconds in which half of the way out is made up once nothing is in the way. Default 0.25.
     ///
     /// Short: the picture pumps behind posts. Long: it stays close after a corner.
@@ -81,6 +85,7 @@ impl Default for OrbitCameraConfig {
             teleport: 4.0,
             ball: 0.2,
             clearance: 0.3,
+            narrow: 0.45,
             ease_out_half_life: 0.25,
             field_of_view: 50f32.to_radians(),
             widening: 6f32.to_radians(),

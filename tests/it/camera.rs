@@ -112,3 +112,22 @@ fn a_wall_behind_the_target_pulls_the_camera_in() {
     let length = eye(&app, camera).distance(Vec3::new(-10.0, 1.45, 3.6));
     assert!(length < 3.0, "{length} m away, in the stairs");
 }
+
+/// Metres from the camera to a target that stands 2 m before a post `width` metres wide, the camera beyond the post.
+fn arm_behind_a_post(width: f32) -> f32 {
+    let (mut app, target, camera) = app();
+    let post = (RigidBody::Static, Collider::cuboid(width, 4.0, 0.3), Transform::from_xyz(-2.0, 2.0, -4.0));
+    app.world_mut().spawn(post);
+    put(&mut app, target, Vec3::new(-2.0, 0.0, -6.0));
+    for _ in 0..60 {
+        app.update();
+    }
+    eye(&app, camera).distance(Vec3::new(-2.0, 1.45, -6.0))
+}
+
+#[test]
+fn a_post_does_not_pull_the_camera_in_and_a_wall_does() {
+    let (post, wall) = (arm_behind_a_post(0.3), arm_behind_a_post(3.0));
+    assert!((post - 4.0).abs() < 0.1, "{post} m away behind a post");
+    assert!(wall < 2.2, "{wall} m away, behind a wall");
+}

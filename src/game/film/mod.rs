@@ -4,8 +4,10 @@
 
 pub mod frames;
 pub mod lettering;
+mod operator;
 pub mod route;
 pub mod sheet;
+pub mod shots;
 pub mod table;
 mod walk;
 
@@ -102,7 +104,7 @@ pub fn run(options: &Options, assets: &Path) -> Result<(), FilmError> {
     let bar = progress(count);
     for frame in 0..count {
         expose(&mut app, frame, TICKS_PER_SECOND / options.fps);
-        captions.push(walk::caption(app.world_mut(), frame as f32 / options.fps as f32));
+        captions.push(walk::caption(app.world_mut(), (frame + 1) as f32 / options.fps as f32));
         written += develop(&mut app, &writer, &mut sheet, &captions);
         tick(&bar, written, count);
     }

@@ -25,6 +25,17 @@ pub struct Heading {
     pub speed: f32,
 }
 
+/// Where a walker who keeps to the way will be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// The place, as (x, z).
+    pub position: Vec2,
+    /// Level direction of the way there, as (x, z), length 1.
+    pub direction: Vec2,
+    /// Metres of the way behind it.
+    pub travelled: f32,
+}
+
 /// A way, and how far along it the walker is.
 #[derive(Clone, Debug)]
 pub struct Route {
@@ -58,6 +69,42 @@ impl Route {
             }
             self.leg += 1;
         }
+    }
+
+    /// Moments `spacing` seconds apart on the whole way, the first at its start and the last at its end.
+    #[must_use]
+    pub fn moments(&self, spacing: f32) -> Vec<Moment> {
+        let (mut moments, mut from, mut behind, mut wait) = (Vec::new(), self.start, 0.0, 0.0);
+        let mut direction = Vec2::NEG_Y;
+        for leg in &self.legs {
+            let length = from.distance(leg.to);
+            direction = (leg.to - from).try_normalize().unwrap_or(direction);
+            let stride = (leg.speed * spacing).max(1e-3);
+            let mut along = wait * stride;
+            while along < length {
+                moments.push(Moment { position: from + direction * along, direction, travelled: behind + along });
+                along += stride;
+            }
+            wait = (along - length) / stride;
+            behind += length;
+            from = leg.to;
+        }
+        moments.push(Moment { position: from, direction, travelled: behind });
+        moments
+    }
+
+    /// Metres of the way behind a walker at `position`.
+    #[must_use]
+    pub fn travelled(&self, position: Vec3) -> f32 {
+        let (mut from, mut behind) = (self.start, 0.0);
+        for (number, leg) in self.legs.iter().enumerate() {
+            behind += from.distance(leg.to);
+            if number == self.leg {
+                return behind - self.left_on_leg(position.xz()).max(0.0);
+            }
+            from = leg.to;
+        }
+        behind
     }
 
     /// Metres of this leg ahead of the walker, measured along the leg.
@@ -115,6 +162,25 @@ mod tests {
         let mut route = square();
         let speeds = [Vec3::ZERO, Vec3::new(6.0, 0.0, 1.0)].map(|at| route.heading(at).unwrap().speed);
         assert!((speeds[0] - 1.4).abs() + (speeds[1] - 3.5).abs() < 1e-6, "speeds {speeds:?}");
+    }
+
+    #[test]
+    fn moments_are_evenly_apart_in_time_and_end_with_the_way() {
+        let moments = square().moments(0.5);
+        // 6 m at 1.4 m/s, 6 m at 3.5 m/s, 6 m at 1.4 m/s.
+        assert_eq!(moments.len(), (2.0f32 * (6.0 / 1.4 + 6.0 / 3.5 + 6.0 / 1.4)).ceil() as usize + 1);
+        let way = moments[3].travelled - moments[2].travelled;
+        assert!((way - 0.7).abs() < 1e-4, "{way} m in half a second at 1.4 m/s");
+        assert!((moments[moments.len() - 1].travelled - 18.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_walker_knows_how_much_of_the_way_is_behind() {
+        let mut route = square();
+        assert!((route.travelled(Vec3::new(2.0, 0.0, 0.4)) - 2.0).abs() < 1e-5);
+        let _ = route.heading(Vec3::new(5.5, 0.0, 0.5));
+        let travelled = route.travelled(Vec3::new(5.9, 0.0, 1.5));
+        assert!((travelled - 7.5).abs() < 1e-5, "{travelled} m of 7.5");
     }
 
     #[test]
