@@ -137,7 +137,9 @@ fn load(app: &mut App) -> (Handle<CharacterAsset>, Handle<Rig>) {
     }
     let mut assets = app.world_mut().resource_mut::<Assets<CharacterAsset>>();
     if let Some(asset) = assets.get_mut_untracked(&character) {
-        for transition in asset.file.locomotion.transitions.iter_mut().filter(|transition| transition.to == "run") {
+        for transition in
+            asset.file.locomotion.transitions.iter_mut().flatten().filter(|transition| transition.to == "run")
+        {
             transition.fade = 1000.0;
         }
     }

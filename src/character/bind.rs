@@ -39,11 +39,14 @@ fn bind(
     mut events: MessageReader<AssetEvent<CharacterAsset>>,
     assets: CharacterAssets,
     fresh: Query<(Entity, &Character), Without<CharacterPose>>,
-    bound: Query<(Entity, &Character), With<CharacterPose>>,
+    bound: Query<(Entity, &Character, &Locomotion), With<CharacterPose>>,
 ) {
-    let mut give = |entity: Entity, asset: &CharacterAsset| {
+    let mut give = |entity: Entity, asset: &CharacterAsset, before: Option<&Locomotion>| {
         let mut pose = CharacterPose::new(&asset.skeleton);
-        let locomotion = Locomotion::new(asset, &mut pose.pose);
+        let mut locomotion = Locomotion::new(asset, &mut pose.pose);
+        if let Some(before) = before {
+            locomotion.take_over(before);
+        }
         let ground = GroundFilter(SpatialQueryFilter::from_excluded_entities([entity]));
         commands
             .entity(entity)
@@ -52,15 +55,15 @@ fn bind(
     };
     for event in events.read() {
         let &AssetEvent::Modified { id } = event else { continue };
-        for (entity, character) in bound.iter().filter(|(_, character)| character.0.id() == id) {
+        for (entity, character, locomotion) in bound.iter().filter(|(_, character, _)| character.0.id() == id) {
             if let Some(asset) = assets.get(character) {
-                give(entity, asset);
+                give(entity, asset, Some(locomotion));
             }
         }
     }
     for (entity, character) in &fresh {
         if let Some(asset) = assets.get(character) {
-            give(entity, asset);
+            give(entity, asset, None);
         }
     }
 }

@@ -258,12 +258,12 @@ pub fn hold_of_clip(pose: &Pose, leg: &Leg, contact: f32) -> Hold {
 
 fn playing(asset: &CharacterAsset, locomotion: &Locomotion) -> Vec<Playing> {
     let machine = &locomotion.machine;
-    let heard = (0..machine.len()).filter(|state| machine.weight(*state) > 0.0);
-    heard
-        .filter_map(|state| {
-            let clip = locomotion.clip(asset, state)?;
-            let rate = if machine.is_gait(state) { machine.phase_rate() * clip.clip.duration } else { 1.0 };
-            Some(Playing { clip: asset.clip_index(&clip.name)?, rate })
+    locomotion
+        .playing(asset)
+        .filter_map(|playing| {
+            let gait = machine.is_gait(playing.state);
+            let rate = if gait { machine.phase_rate() * playing.clip.clip.duration } else { 1.0 };
+            Some(Playing { clip: asset.clip_index(&playing.clip.name)?, rate })
         })
         .collect()
 }

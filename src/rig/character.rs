@@ -11,6 +11,7 @@ use super::{
     humanoid::{Humanoid, HumanoidError, HumanoidRole},
     legs,
     names::{listed, suggestion},
+    tuning::ranges::{RangeError, Ranges},
 };
 use crate::anim::{
     clip::Clip,
@@ -87,6 +88,19 @@ pub enum CharacterError {
         /// The nearest name, and all there are.
         instead: String,
     },
+    /// The file lists no states, and none of the standard ones has its clip.
+    #[error(
+        "no state of `locomotion` has a clip: `{model}` has {clips}; list states, or give clips the names of states"
+    )]
+    NoState {
+        /// The model.
+        model: String,
+        /// All clips there are.
+        clips: String,
+    },
+    /// A transition names a state that isn't there.
+    #[error(transparent)]
+    Transition(#[from] RangeError),
     /// A clip moves another body.
     #[error("`clips[\"{name}\"]`: no joint that `{file}` moves has a partner in `{model}`; it moves {joints}")]
     Foreign {
@@ -138,7 +152,7 @@ impl CharacterAsset {
             file,
         };
         asset.clips = asset.resolve_clips(others)?;
-        asset.check_states()?;
+        asset.complete_states()?;
         Ok(asset)
     }
 
@@ -239,16 +253,25 @@ impl CharacterAsset {
         Ok(clip.retargeted(&from, &self.skeleton, &pairs, &movers, length))
     }
 
-    fn check_states(&self) -> Result<(), CharacterError> {
+    /// Takes the standard states where the file lists none, and checks the names of those it lists.
+    fn complete_states(&mut self) -> Result<(), CharacterError> {
         let names = || self.clips.iter().map(|clip| clip.name.as_str());
-        match self.file.locomotion.states.iter().find(|state| self.clip(&state.clip).is_none()) {
-            None => Ok(()),
-            Some(state) => Err(CharacterError::UnknownStateClip {
-                state: state.name.clone(),
-                clip: state.clip.clone(),
-                instead: format!("{}; clips: {}", suggestion(&state.clip, names()), listed(names())),
-            }),
+        for state in self.file.locomotion.states() {
+            if let Some(clip) = state.clips().find(|clip| self.clip(clip).is_none()) {
+                return Err(CharacterError::UnknownStateClip {
+                    state: state.name.clone(),
+                    clip: clip.to_owned(),
+                    instead: format!("{}; clips: {}", suggestion(clip, names()), listed(names())),
+                });
+            }
         }
+        let locomotion = self.file.locomotion.completed(|clip| self.clip(clip).is_some());
+        if locomotion.states().is_empty() {
+            return Err(CharacterError::NoState { model: self.file.model.clone(), clips: listed(names()) });
+        }
+        locomotion.check_names(&Ranges::new("locomotion."))?;
+        self.file.locomotion = locomotion;
+        Ok(())
     }
 }
 

@@ -252,6 +252,12 @@ impl Stage {
         self.app.world().get::<C>(character)
     }
 
+    /// The character's file, as loaded.
+    #[must_use]
+    pub fn asset(&self, character: Entity) -> Option<&CharacterAsset> {
+        self.app.world().get_resource::<Assets<CharacterAsset>>()?.get(&self.get::<Character>(character)?.0)
+    }
+
     /// Where the character stands, world.
     #[must_use]
     pub fn root(&self, character: Entity) -> Vec3 {

@@ -6,6 +6,7 @@
 #[cfg(feature = "game")]
 mod camera;
 mod character_file;
+mod character_states;
 mod clips;
 mod determinism;
 mod feet;

@@ -39,22 +39,10 @@ impl CharacterPose {
     }
 
     fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, dt: f32) {
-        let machine = &locomotion.machine;
         let mut blend = Accumulator::new(self.pose.locals_mut());
-        for state in 0..machine.len() {
-            let weight = machine.weight(state);
-            if weight <= 0.0 {
-                continue;
-            }
-            let Some(clip) = locomotion.clip(asset, state) else { continue };
-            let phase = machine.clip_phase(state);
-            let time = if machine.is_gait(state) {
-                clip.gait.time_at(phase, clip.clip.duration)
-            } else {
-                phase * clip.clip.duration
-            };
-            clip.clip.sample(&asset.skeleton, time, &mut self.scratch);
-            blend.add(&self.scratch, weight);
+        for playing in locomotion.playing(asset) {
+            playing.clip.clip.sample(&asset.skeleton, playing.time, &mut self.scratch);
+            blend.add(&self.scratch, playing.weight);
         }
         if !blend.finish() {
             return;

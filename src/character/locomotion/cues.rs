@@ -18,30 +18,23 @@ pub struct FootCue {
     pub time_to_contact: f32,
     /// Share of its swing that has passed, 0..1; 1 while it is on the ground.
     pub swing: f32,
-    /// Where its ball lands, model space of the landing's own time; `None` when no gait plays.
+    /// Where its ball lands, model space of the landing's own time; `None` when nothing plays that steps.
     pub landing_model: Option<Vec3>,
 }
 
-/// Per state and foot: where the ball is at the moment of contact, the sole laid flat; model space.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Landings(Vec<[Option<Vec3>; 2]>);
+/// Per foot: where the ball is at the moment of contact, the sole laid flat; model space. `None` for a foot that never
+/// lands.
+pub(super) type Landing = [Option<Vec3>; 2];
 
-impl Landings {
-    /// Looks at every state's clip at the moment of contact. `scratch` is a pose of the asset's skeleton.
-    pub(super) fn find(asset: &CharacterAsset, clips: &[usize], scratch: &mut Pose) -> Self {
-        let mut per_clip = Vec::new();
-        for &index in clips {
-            let clip = &asset.clips()[index];
-            per_clip.push([0, 1].map(|foot| {
-                let start = clip.gait.contact[foot].first()?.start;
-                let time = clip.gait.time_at(start, clip.clip.duration);
-                clip.clip.sample(&asset.skeleton, time, scratch.locals_mut());
-                scratch.update_model(&asset.skeleton);
-                Some(flat_ball(scratch, &asset.legs[foot]))
-            }));
-        }
-        Self(per_clip)
-    }
+/// Looks at a clip's moments of contact. `scratch` is a pose of the asset's skeleton.
+pub(super) fn landing(asset: &CharacterAsset, clip: &CharacterClip, scratch: &mut Pose) -> Landing {
+    [0, 1].map(|foot| {
+        let start = clip.gait.contact[foot].first()?.start;
+        let time = clip.gait.time_at(start, clip.clip.duration);
+        clip.clip.sample(&asset.skeleton, time, scratch.locals_mut());
+        scratch.update_model(&asset.skeleton);
+        Some(flat_ball(scratch, &asset.legs[foot]))
+    })
 }
 
 /// Where the ball comes to lie once the sole that touches with its heel is flat, model space.
@@ -60,23 +53,20 @@ pub(super) fn cue(locomotion: &Locomotion, asset: &CharacterAsset, foot: usize) 
     let mut cue = FootCue { swing: 1.0, ..FootCue::default() };
     let mut heaviest = 0.0f32;
     let (mut landing, mut landing_weight) = (Vec3::ZERO, 0.0f32);
-    for state in 0..machine.len() {
-        let weight = machine.weight(state);
-        let Some(CharacterClip { gait, .. }) = locomotion.clip(asset, state).filter(|_| weight > 0.0) else {
-            continue;
-        };
-        let phase = locomotion.gait_phase(asset, state);
-        cue.contact += weight * gait.contact_weight(foot, phase);
-        if !machine.is_gait(state) {
+    for playing in locomotion.playing(asset) {
+        let (gait, weight, phase) = (&playing.clip.gait, playing.weight, playing.gait_phase);
+        let contact = gait.contact_weight(foot, phase);
+        cue.contact += weight * contact;
+        if !machine.steps(playing.state) {
             continue;
         }
-        if let Some(ball) = locomotion.landings.0[state][foot] {
+        if let Some(ball) = playing.landing[foot] {
             landing += ball * weight;
             landing_weight += weight;
-            if weight > heaviest && gait.contact_weight(foot, phase) < 0.5 {
+            if weight > heaviest && contact < 0.5 {
                 heaviest = weight;
                 let way = gait.phase_to_landing(foot, phase).unwrap_or(0.0);
-                cue.time_to_contact = way / machine.phase_rate().max(0.2);
+                cue.time_to_contact = way / machine.cycle_rate(playing.state).max(0.2);
                 cue.swing = gait.swing_share(foot, phase);
             }
         }

@@ -16,6 +16,8 @@ struct Way {
 #[derive(Clone, Debug)]
 pub struct Fades {
     ways: Vec<Way>,
+    /// Where all ways are now, normalised.
+    weights: Vec<f32>,
     elapsed: f32,
     seconds: f32,
 }
@@ -26,7 +28,7 @@ impl Fades {
     pub fn new(count: usize, first: usize) -> Self {
         let at = |i| if i == first { 1.0 } else { 0.0 };
         let ways = (0..count).map(|i| Way { start: at(i), slope: 0.0, target: at(i) }).collect();
-        Self { ways, elapsed: 0.0, seconds: 0.0 }
+        Self { ways, weights: (0..count).map(at).collect(), elapsed: 0.0, seconds: 0.0 }
     }
 
     /// Sends all weight to `state` within `seconds`; at once for 0.
@@ -43,13 +45,19 @@ impl Fades {
     /// Lets `dt` seconds pass.
     pub fn advance(&mut self, dt: f32) {
         self.elapsed = (self.elapsed + dt.max(0.0)).min(self.seconds + 1.0);
+        for index in 0..self.ways.len() {
+            self.weights[index] = self.now(index).0;
+        }
+        let total: f32 = self.weights.iter().sum();
+        if total > 0.0 {
+            self.weights.iter_mut().for_each(|weight| *weight /= total);
+        }
     }
 
-    /// Weight of `state`, 0..=1; all sum to one.
+    /// Weight of `state` as of the last [`Fades::advance`], 0..=1; all sum to one.
     #[must_use]
     pub fn weight(&self, state: usize) -> f32 {
-        let total: f32 = (0..self.ways.len()).map(|i| self.now(i).0).sum();
-        if total > 0.0 { self.now(state).0 / total } else { 0.0 }
+        self.weights[state]
     }
 
     /// Whether a fade is under way.

@@ -1,57 +1,35 @@
 //! The state machine: facts about the body in, clip weights and times out. Pure; a system feeds it.
 
-use super::fade::Fades;
-use crate::rig::tuning::locomotion::{Condition, LocomotionConfig, Pace, TransitionBlend};
+use bevy::math::{Vec2, ops};
 
-/// What the machine must know of a state's clip.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClipFacts {
-    /// Seconds.
-    pub duration: f32,
-    /// Whether it starts over at its end.
-    pub looping: bool,
-    /// Ground that one cycle covers, metres; 0 for a clip that stays in place.
-    pub stride: f32,
-}
-
-/// The body, as motion has it.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Facts<'a> {
-    /// Horizontal speed over the ground, m/s.
-    pub speed: f32,
-    /// Rise over run of the way it goes.
-    pub grade: f32,
-    /// Whether it stands on ground.
-    pub grounded: bool,
-    /// Seconds in the air.
-    pub air_time: f32,
-    /// Downward speed, m/s.
-    pub fall_speed: f32,
-    /// Whether it crouches.
-    pub crouched: bool,
-    /// Trigger names pulled since the last frame.
-    pub triggers: &'a [String],
-}
-
-/// A transition taken in this frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Taken {
-    /// The state entered.
-    pub to: usize,
-    /// Seconds that it takes.
-    pub fade: f32,
-    /// How it looks.
-    pub blend: TransitionBlend,
-}
+use super::{
+    compass::Compass,
+    facts::{ClipFacts, Facts, Stay, Taken, holds},
+    fade::Fades,
+};
+use crate::{
+    math::spring::Spring,
+    rig::tuning::locomotion::{Condition, LocomotionConfig, Pace, StateConfig, TransitionBlend},
+};
 
 /// Grade from which on steps get no quicker: stairs are about 0.6.
 const STEEPEST: f32 = 0.7;
+
+/// Weight below which a state is not seen.
+const UNSEEN: f32 = 0.05;
 
 #[derive(Clone, Debug)]
 struct State {
     name: String,
     pace: Pace,
-    clip: ClipFacts,
+    clips: Vec<ClipFacts>,
+    compass: Compass,
+    /// How much of the state each clip is; they sum to one.
+    shares: Vec<Spring<f32>>,
+    /// Where the shares are going.
+    goals: Vec<f32>,
+    /// Seconds into its clip; for turns, at the clip's own rate.
+    clock: f32,
 }
 
 #[derive(Clone, Debug)]
@@ -71,31 +49,28 @@ pub struct Machine {
     rate_range: (f32, f32),
     stride_range: (f32, f32),
     climb_cadence: f32,
+    blend_half_life: f32,
     current: usize,
     fades: Fades,
     time_in_state: f32,
-    /// Clock of every state, seconds.
-    clocks: Vec<f32>,
     phase: f32,
     rate: f32,
+    /// Turns on the spot per second, in runs of their clip.
+    turn_rate: f32,
     stride_scale: f32,
 }
 
 impl Machine {
-    /// A machine at its first state. `clips` gives the facts of each state's clip, in the order of `config.states`.
+    /// A machine at its first state. `facts` tells what there is to know of a clip, by its name.
     ///
     /// Transitions that name no existing state are left out; the loader of character files refuses them before.
     #[must_use]
-    pub fn new(config: &LocomotionConfig, clips: &[ClipFacts]) -> Self {
-        let find = |name: &String| config.states.iter().position(|state| &state.name == name);
-        let states: Vec<State> = config
-            .states
-            .iter()
-            .zip(clips)
-            .map(|(state, clip)| State { name: state.name.clone(), pace: state.pace, clip: *clip })
-            .collect();
+    pub fn new(config: &LocomotionConfig, facts: impl Fn(&str) -> ClipFacts) -> Self {
+        let find = |name: &String| config.states().iter().position(|state| &state.name == name);
+        let state = |config: &StateConfig| State::new(config, config.clips().map(&facts).collect());
+        let states: Vec<State> = config.states().iter().map(state).collect();
         let transitions = config
-            .transitions
+            .transitions()
             .iter()
             .filter_map(|transition| {
                 Some(Transition {
@@ -109,18 +84,34 @@ impl Machine {
             .collect();
         Self {
             fades: Fades::new(states.len(), 0),
-            clocks: vec![0.0; states.len()],
             states,
             transitions,
             rate_range: config.rate_range,
             stride_range: config.stride_range,
             climb_cadence: config.climb_cadence,
+            blend_half_life: config.blend_half_life,
             current: 0,
             time_in_state: 0.0,
             phase: 0.0,
             rate: 1.0,
+            turn_rate: 0.0,
             stride_scale: 1.0,
         }
+    }
+
+    /// Goes on where `other` is, if it has a state of that name: for a character whose file has changed.
+    pub fn take_over(&mut self, other: &Self) {
+        let Some(old) = other.states.get(other.current) else { return };
+        let Some(current) = self.states.iter().position(|state| state.name == old.name) else { return };
+        self.fades.send_to(current, 0.0);
+        self.fades.advance(0.0);
+        self.current = current;
+        self.states[current].clock = old.clock;
+        if self.states[current].shares.len() == old.shares.len() {
+            self.states[current].shares.clone_from(&old.shares);
+        }
+        self.time_in_state = other.time_in_state;
+        self.phase = other.phase;
     }
 
     /// How many states there are.
@@ -159,15 +150,22 @@ impl Machine {
         self.fades.is_fading()
     }
 
-    /// Where a state's clip is, in fractions of it: the shared phase for gaits, its own clock otherwise.
+    /// How much of a state its clip number `clip` is, 0..=1; those of a state sum to one.
+    #[must_use]
+    pub fn share(&self, state: usize, clip: usize) -> f32 {
+        self.states[state].shares[clip].value
+    }
+
+    /// Where a state's clips are, in fractions of them: the shared phase for gaits, its own clock otherwise.
     #[must_use]
     pub fn clip_phase(&self, state: usize) -> f32 {
-        let State { pace, clip, .. } = &self.states[state];
+        let State { pace, clips, clock, .. } = &self.states[state];
+        let ClipFacts { duration, looping, .. } = clips.first().copied().unwrap_or_default();
         match pace {
             Pace::Gait { .. } => self.phase,
-            Pace::Clock if clip.duration <= 0.0 => 0.0,
-            Pace::Clock if clip.looping => (self.clocks[state] / clip.duration).fract(),
-            Pace::Clock => (self.clocks[state] / clip.duration).min(1.0),
+            _ if duration <= 0.0 => 0.0,
+            Pace::Clock if !looping => (clock / duration).min(1.0),
+            _ => (clock / duration).rem_euclid(1.0),
         }
     }
 
@@ -175,6 +173,18 @@ impl Machine {
     #[must_use]
     pub fn is_gait(&self, state: usize) -> bool {
         matches!(self.states[state].pace, Pace::Gait { .. })
+    }
+
+    /// Whether the feet of a state's clips step over the ground: gaits, and turns on the spot.
+    #[must_use]
+    pub fn steps(&self, state: usize) -> bool {
+        !matches!(self.states[state].pace, Pace::Clock)
+    }
+
+    /// Cycles per second at which a state that steps runs now.
+    #[must_use]
+    pub fn cycle_rate(&self, state: usize) -> f32 {
+        if self.is_gait(state) { self.rate } else { self.turn_rate }
     }
 
     /// The gait's phase, 0..1; 0 is left contact.
@@ -204,63 +214,73 @@ impl Machine {
         self.time_in_state += dt;
         let taken = self.choose(facts);
         if let Some(taken) = taken {
-            self.enter(taken);
+            self.enter(taken, facts);
         }
         self.fades.advance(dt);
+        for state in 0..self.len() {
+            if self.weight(state) > 0.0 {
+                self.states[state].steer(facts.velocity, self.blend_half_life, dt);
+            }
+        }
+        self.run_clocks(facts, dt);
         self.pace(facts, dt);
         taken
     }
 
     fn choose(&self, facts: &Facts<'_>) -> Option<Taken> {
+        let here = &self.states[self.current];
+        let stay = Stay { seconds: self.time_in_state, finished: here.is_finished() };
         let open = |t: &&Transition| {
-            t.to != self.current && (t.from.is_empty() || t.from.contains(&self.current)) && self.holds(&t.when, facts)
+            t.to != self.current && (t.from.is_empty() || t.from.contains(&self.current)) && holds(&t.when, facts, stay)
         };
         self.transitions.iter().find(open).map(|t| Taken { to: t.to, fade: t.fade, blend: t.blend })
     }
 
-    fn holds(&self, condition: &Condition, facts: &Facts<'_>) -> bool {
-        match condition {
-            Condition::SpeedAbove(speed) => facts.speed > *speed,
-            Condition::SpeedBelow(speed) => facts.speed < *speed,
-            Condition::Grounded => facts.grounded,
-            Condition::AirborneFor(seconds) => !facts.grounded && facts.air_time > *seconds,
-            Condition::FallingFaster(speed) => facts.fall_speed > *speed,
-            Condition::InStateFor(seconds) => self.time_in_state > *seconds,
-            Condition::Finished => {
-                let clip = self.states[self.current].clip;
-                !clip.looping && self.clocks[self.current] >= clip.duration
-            }
-            Condition::Crouched => facts.crouched,
-            Condition::Upright => !facts.crouched,
-            Condition::Trigger(name) => facts.triggers.contains(name),
-            Condition::All(all) => all.iter().all(|condition| self.holds(condition, facts)),
-        }
-    }
-
-    fn enter(&mut self, taken: Taken) {
+    fn enter(&mut self, taken: Taken, facts: &Facts<'_>) {
         let gait_weight: f32 = (0..self.len()).filter(|i| self.is_gait(*i)).map(|i| self.weight(i)).sum();
-        match self.states[taken.to].pace {
-            // A gait that is still to be seen goes on where it is.
-            Pace::Gait { start_phase } if gait_weight < 0.05 => self.phase = start_phase.rem_euclid(1.0),
-            Pace::Clock if self.weight(taken.to) < 0.05 => self.clocks[taken.to] = 0.0,
-            _ => {}
+        if self.weight(taken.to) < UNSEEN {
+            self.states[taken.to].clock = 0.0;
+            self.states[taken.to].steer(facts.velocity, 0.0, 1.0);
+        }
+        // A gait that is still to be seen goes on where it is.
+        if let Pace::Gait { start_phase } = self.states[taken.to].pace
+            && gait_weight < UNSEEN
+        {
+            // The foot of the side that it goes to steps first.
+            let side = if facts.velocity.x < -0.5 * facts.speed { 0.5 } else { 0.0 };
+            self.phase = (start_phase + side).rem_euclid(1.0);
         }
         self.current = taken.to;
         self.time_in_state = 0.0;
         self.fades.send_to(taken.to, if taken.blend == TransitionBlend::Inertialize { 0.0 } else { taken.fade });
     }
 
+    fn run_clocks(&mut self, facts: &Facts<'_>, dt: f32) {
+        self.turn_rate = 0.0;
+        for index in 0..self.len() {
+            if self.weight(index) <= 0.0 {
+                continue;
+            }
+            let state = &mut self.states[index];
+            match state.pace {
+                Pace::Gait { .. } => {}
+                Pace::Clock => state.clock += dt,
+                Pace::Turn { angle } => {
+                    let runs = facts.turned / angle;
+                    state.clock += runs * state.duration();
+                    self.turn_rate = if dt > 0.0 { runs.abs() / dt } else { 0.0 };
+                }
+            }
+        }
+    }
+
     fn pace(&mut self, facts: &Facts<'_>, dt: f32) {
         let (mut weights, mut duration, mut stride) = (0.0, 0.0, 0.0);
-        for index in 0..self.len() {
+        for index in (0..self.len()).filter(|index| self.is_gait(*index)) {
             let weight = self.weight(index);
-            if self.is_gait(index) {
-                weights += weight;
-                duration += weight * self.states[index].clip.duration;
-                stride += weight * self.states[index].clip.stride;
-            } else if weight > 0.0 {
-                self.clocks[index] += dt;
-            }
+            weights += weight;
+            duration += weight * self.states[index].duration();
+            stride += weight * self.states[index].stride();
         }
         if weights <= 0.0 || duration <= 0.0 || stride <= 0.0 {
             self.stride_scale = 1.0;
@@ -277,108 +297,59 @@ impl Machine {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const IDLE: ClipFacts = ClipFacts { duration: 6.0, looping: true, stride: 0.0 };
-    const WALK: ClipFacts = ClipFacts { duration: 1.08, looping: true, stride: 1.512 };
-    const RUN: ClipFacts = ClipFacts { duration: 0.72, looping: true, stride: 2.52 };
-
-    fn machine() -> Machine {
-        Machine::new(&LocomotionConfig::default(), &[IDLE, WALK, RUN])
-    }
-
-    fn run_for(machine: &mut Machine, speed: f32, seconds: f32) {
-        let facts = Facts { speed, grounded: true, ..Facts::default() };
-        for _ in 0..(seconds * 60.0) as usize {
-            machine.advance(&facts, 1.0 / 60.0);
+impl State {
+    fn new(config: &StateConfig, clips: Vec<ClipFacts>) -> Self {
+        let first = |clip| Spring::at(if clip == 0 { 1.0 } else { 0.0 });
+        Self {
+            name: config.name.clone(),
+            pace: config.pace,
+            compass: Compass::new(&clips),
+            shares: (0..clips.len()).map(first).collect(),
+            goals: vec![0.0; clips.len()],
+            clips,
+            clock: 0.0,
         }
     }
 
-    #[test]
-    fn speed_leads_from_idle_over_walk_to_run_and_back() {
-        let mut machine = machine();
-        for (speed, name) in [(0.0, "idle"), (1.4, "walk"), (3.5, "run"), (1.4, "walk"), (0.0, "idle")] {
-            run_for(&mut machine, speed, 0.5);
-            assert_eq!(machine.name(machine.current()), name, "at {speed} m/s");
-            assert!(machine.weight(machine.current()) > 0.999, "{name} weighs {}", machine.weight(machine.current()));
+    /// Moves the shares of its clips toward the mixture that goes with `velocity`.
+    fn steer(&mut self, velocity: Vec2, half_life: f32, dt: f32) {
+        if self.clips.len() < 2 {
+            return;
+        }
+        let Self { compass, shares, goals, .. } = self;
+        goals.fill(0.0);
+        if !compass.shares(velocity, |clip, share| goals[clip] += share) {
+            return;
+        }
+        for (share, goal) in shares.iter_mut().zip(goals) {
+            share.step(*goal, half_life, dt);
+            share.value = share.value.max(0.0);
+        }
+        let sum: f32 = shares.iter().map(|share| share.value).sum();
+        if sum > 0.0 {
+            shares.iter_mut().for_each(|share| share.value /= sum);
         }
     }
 
-    #[test]
-    fn a_speed_between_the_bounds_keeps_the_gait() {
-        let mut machine = machine();
-        run_for(&mut machine, 1.4, 0.5);
-        run_for(&mut machine, 2.2, 1.0);
-        assert_eq!(machine.name(machine.current()), "walk");
-        run_for(&mut machine, 3.0, 0.5);
-        run_for(&mut machine, 2.2, 1.0);
-        assert_eq!(machine.name(machine.current()), "run");
+    fn duration(&self) -> f32 {
+        self.mean(|clip| clip.duration)
     }
 
-    #[test]
-    fn a_change_of_gait_keeps_the_phase() {
-        let mut machine = machine();
-        run_for(&mut machine, 1.4, 1.0);
-        let before = machine.phase();
-        machine.advance(&Facts { speed: 3.5, grounded: true, ..Facts::default() }, 1.0 / 60.0);
-        let moved = (machine.phase() - before).rem_euclid(1.0);
-        assert!(moved < 0.04, "the phase jumped by {moved}");
-        assert_eq!(machine.name(machine.current()), "run");
+    fn mean(&self, of: impl Fn(&ClipFacts) -> f32) -> f32 {
+        self.clips.iter().zip(&self.shares).map(|(clip, share)| of(clip) * share.value).sum()
     }
 
-    #[test]
-    fn one_stride_of_ground_is_one_cycle() {
-        let mut machine = machine();
-        run_for(&mut machine, 1.4, 1.0);
-        assert!((machine.phase_rate() * 1.512 * machine.stride_scale() - 1.4).abs() < 1e-3, "feet skate");
-        run_for(&mut machine, 0.5, 1.0);
-        let covered = machine.phase_rate() * 1.512 * machine.stride_scale();
-        assert!((covered - 0.5).abs() < 1e-3, "feet cover {covered} m/s at 0.5 m/s");
+    /// Ground that its feet cover in a cycle, metres: opposite ways cancel out.
+    fn stride(&self) -> f32 {
+        let along = self.mean(|clip| clip.stride * ops::cos(clip.heading));
+        let across = self.mean(|clip| clip.stride * ops::sin(clip.heading));
+        Vec2::new(along, across).length()
     }
 
-    #[test]
-    fn two_half_frames_are_one_whole() {
-        let (mut once, mut twice) = (machine(), machine());
-        let facts = Facts { speed: 1.4, grounded: true, ..Facts::default() };
-        for _ in 0..30 {
-            once.advance(&facts, 1.0 / 30.0);
-            twice.advance(&facts, 1.0 / 60.0);
-            twice.advance(&facts, 1.0 / 60.0);
-        }
-        let off = (once.phase() - twice.phase()).abs();
-        assert!(off < 0.02, "phases {off} apart after a second at 30 and 60 Hz");
-    }
-
-    #[test]
-    fn a_clip_without_length_is_no_danger() {
-        let still = ClipFacts { duration: 0.0, looping: true, stride: 0.0 };
-        let mut machine = Machine::new(&LocomotionConfig::default(), &[still, still, still]);
-        run_for(&mut machine, 1.4, 0.5);
-        assert!(machine.clip_phase(0).is_finite() && machine.phase().is_finite());
-    }
-
-    #[test]
-    fn triggers_and_finished_clips_lead_on() {
-        use crate::rig::tuning::locomotion::{StateConfig, TransitionConfig};
-        let mut config = LocomotionConfig::default();
-        config.states.push(StateConfig { name: "wave".into(), clip: "wave".into(), pace: Pace::Clock });
-        let to = |from: &str, to: &str, when| TransitionConfig {
-            from: vec![from.into()],
-            to: to.into(),
-            when,
-            fade: 0.1,
-            blend: TransitionBlend::CrossFade,
-        };
-        config.transitions.push(to("idle", "wave", Condition::Trigger("wave".into())));
-        config.transitions.push(to("wave", "idle", Condition::Finished));
-        let wave = ClipFacts { duration: 0.5, looping: false, stride: 0.0 };
-        let mut machine = Machine::new(&config, &[IDLE, WALK, RUN, wave]);
-        let pulled = ["wave".to_owned()];
-        machine.advance(&Facts { grounded: true, triggers: &pulled, ..Facts::default() }, 1.0 / 60.0);
-        assert_eq!(machine.name(machine.current()), "wave");
-        run_for(&mut machine, 0.0, 0.7);
-        assert_eq!(machine.name(machine.current()), "idle");
+    fn is_finished(&self) -> bool {
+        self.clips.first().is_some_and(|clip| !clip.looping && self.clock >= clip.duration)
     }
 }
+
+#[cfg(test)]
+mod tests;

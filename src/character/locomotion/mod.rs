@@ -3,20 +3,23 @@
 //! Reads what the controller did and the clips' gaits; writes [`Locomotion`]: which clip weighs how much, where it is, and
 //! for each foot what the clips say of its contact with the ground.
 
+mod compass;
 mod cues;
+mod facts;
 mod fade;
 mod machine;
 
 use bevy::prelude::*;
 
 pub use cues::FootCue;
+pub use facts::{ClipFacts, Facts, Taken};
 pub use fade::Fades;
-pub use machine::{ClipFacts, Facts, Machine, Taken};
+pub use machine::Machine;
 
 use super::{bind::CharacterAssets, motion::MotionState, schedule::PoseSystems};
 use crate::{
     anim::pose::Pose,
-    math::spring::damp,
+    math::{rotation::heading, spring::damp},
     rig::character::{CharacterAsset, CharacterClip},
 };
 
@@ -29,48 +32,82 @@ pub struct Locomotion {
     pub cues: [FootCue; 2],
     /// The transition taken in this frame.
     pub taken: Option<Taken>,
-    clips: Vec<usize>,
-    landings: cues::Landings,
+    tracks: Vec<Track>,
     triggers: Vec<String>,
     grade: f32,
     last_root: Option<Vec3>,
+    /// `MotionState::jumps` of the last frame.
+    jumps: Option<u32>,
+}
+
+/// A clip of a state.
+#[derive(Clone, Debug)]
+struct Track {
+    state: usize,
+    /// Its number among the state's clips.
+    slot: usize,
+    /// Its place among the character's clips.
+    clip: usize,
+    landing: cues::Landing,
+}
+
+/// A clip that plays.
+#[derive(Clone, Copy, Debug)]
+pub struct Playing<'a> {
+    /// The clip.
+    pub clip: &'a CharacterClip,
+    /// The state that it belongs to.
+    pub state: usize,
+    /// How much of the pose it is, 0..=1; all sum to one.
+    pub weight: f32,
+    /// Where in the clip it is, seconds.
+    pub time: f32,
+    /// The same as a phase of its gait: 0 is left contact.
+    pub gait_phase: f32,
+    landing: cues::Landing,
 }
 
 impl Locomotion {
     /// The machine of `asset`'s file. `scratch` is a pose of its skeleton; its content is lost.
     #[must_use]
     pub fn new(asset: &CharacterAsset, scratch: &mut Pose) -> Self {
-        let states = &asset.file.locomotion.states;
-        let clips: Vec<usize> = states.iter().map(|state| asset.clip_index(&state.clip).unwrap_or(0)).collect();
-        let facts: Vec<ClipFacts> = clips
-            .iter()
-            .map(|&index| {
-                let CharacterClip { clip, gait, .. } = &asset.clips()[index];
-                ClipFacts {
-                    duration: clip.duration,
-                    looping: clip.looping,
-                    stride: gait.stride * f32::from(gait.strides),
-                }
-            })
-            .collect();
-        let landings = cues::Landings::find(asset, &clips, scratch);
+        let config = &asset.file.locomotion;
+        let mut tracks = Vec::new();
+        for (state, config) in config.states().iter().enumerate() {
+            for (slot, name) in config.clips().enumerate() {
+                let Some(clip) = asset.clip_index(name) else { continue };
+                let landing = cues::landing(asset, &asset.clips()[clip], scratch);
+                tracks.push(Track { state, slot, clip, landing });
+            }
+        }
         *scratch = Pose::rest(&asset.skeleton);
         Self {
-            machine: Machine::new(&asset.file.locomotion, &facts),
+            machine: Machine::new(config, |name| asset.clip(name).map(facts_of).unwrap_or_default()),
             cues: Default::default(),
             taken: None,
-            clips,
-            landings,
+            tracks,
             triggers: Vec::new(),
             grade: 0.0,
             last_root: None,
+            jumps: None,
         }
     }
 
-    /// The clip that a state plays.
-    #[must_use]
-    pub fn clip<'a>(&self, asset: &'a CharacterAsset, state: usize) -> Option<&'a CharacterClip> {
-        asset.clips().get(*self.clips.get(state)?)
+    /// All clips that play now.
+    pub fn playing<'a>(&'a self, asset: &'a CharacterAsset) -> impl Iterator<Item = Playing<'a>> {
+        self.tracks.iter().filter_map(move |track| {
+            let machine = &self.machine;
+            let weight = machine.weight(track.state);
+            let weight = if weight > 0.0 { weight * machine.share(track.state, track.slot) } else { 0.0 };
+            let clip = asset.clips().get(track.clip).filter(|_| weight > 0.0)?;
+            let (phase, duration) = (machine.clip_phase(track.state), clip.clip.duration);
+            let (time, gait_phase) = if machine.is_gait(track.state) {
+                (clip.gait.time_at(phase, duration), phase)
+            } else {
+                (phase * duration, clip.gait.phase_at(phase * duration, duration))
+            };
+            Some(Playing { clip, state: track.state, weight, time, gait_phase, landing: track.landing })
+        })
     }
 
     /// Pulls a trigger: a transition that waits for `name` may be taken in the next frame.
@@ -89,6 +126,29 @@ impl Locomotion {
     pub fn weight_of(&self, name: &str) -> f32 {
         (0..self.machine.len()).filter(|i| self.machine.name(*i) == name).map(|i| self.machine.weight(i)).sum()
     }
+
+    /// Weight of the clip named `name`, whatever state plays it.
+    #[must_use]
+    pub fn weight_of_clip(&self, asset: &CharacterAsset, name: &str) -> f32 {
+        self.playing(asset).filter(|playing| playing.clip.name == name).map(|playing| playing.weight).sum()
+    }
+
+    /// Goes on where `other` is, as far as it has the same states: for a character whose file has changed.
+    pub fn take_over(&mut self, other: &Self) {
+        self.machine.take_over(&other.machine);
+        (self.grade, self.last_root, self.jumps) = (other.grade, other.last_root, other.jumps);
+    }
+}
+
+/// What the machine must know of a clip.
+fn facts_of(clip: &CharacterClip) -> ClipFacts {
+    let CharacterClip { clip, gait, .. } = clip;
+    ClipFacts {
+        duration: clip.duration,
+        looping: clip.looping,
+        stride: gait.stride * f32::from(gait.strides),
+        heading: if gait.speed > 0.0 { heading(gait.velocity) } else { 0.0 },
+    }
 }
 
 impl Locomotion {
@@ -99,17 +159,6 @@ impl Locomotion {
         let run = Vec2::new(way.x, way.z).length();
         let grade = if run > 0.1 * dt { (way.y / run).clamp(-1.0, 1.0) } else { 0.0 };
         self.grade = damp(self.grade, grade, GRADE_HALF_LIFE, dt);
-    }
-
-    /// Phase of a state's clip by its gait: 0 is left contact.
-    fn gait_phase(&self, asset: &CharacterAsset, state: usize) -> f32 {
-        let phase = self.machine.clip_phase(state);
-        match self.clip(asset, state) {
-            Some(CharacterClip { clip, gait, .. }) if !self.machine.is_gait(state) => {
-                gait.phase_at(phase * clip.duration, clip.duration)
-            }
-            _ => phase,
-        }
     }
 }
 
@@ -135,13 +184,20 @@ fn locomote(
         let Some(asset) = assets.get(character) else { return };
         let locomotion = &mut *locomotion;
         locomotion.follow_grade(root.translation, dt);
+        let velocity = (root.rotation.inverse() * motion.ground_velocity).with_y(0.0);
         let facts = Facts {
             grade: locomotion.grade,
             speed: Vec2::new(motion.ground_velocity.x, motion.ground_velocity.z).length(),
+            velocity: Vec2::new(velocity.x, -velocity.z),
             grounded: motion.ground.is_some(),
             air_time: motion.air_time,
             fall_speed: -motion.velocity.y,
+            landing_speed: motion.landing_speed,
+            jumped: locomotion.jumps.replace(motion.jumps).is_some_and(|jumps| jumps != motion.jumps),
             crouched: motion.crouched,
+            facing_locked: motion.facing_locked,
+            turn_ahead: motion.turn_ahead,
+            turned: motion.ground_yaw_rate * dt,
             triggers: &locomotion.triggers,
         };
         locomotion.taken = locomotion.machine.advance(&facts, dt);

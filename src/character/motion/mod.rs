@@ -40,6 +40,7 @@ use crate::rig::tuning::motion::MotionConfig;
 use body::MotionBody;
 use capsule::MotionShapes;
 use space::{Space, View};
+use speed::limit_strafe;
 use tick::Tick;
 
 /// A body that walks, jumps and stands: spawn this with a `Transform` for a controller without any animation.
@@ -76,10 +77,18 @@ pub struct MotionState {
     pub ground: Option<Ground>,
     /// Turn rate of the root about +Y in rad/s.
     pub yaw_rate: f32,
+    /// The same over the ground it stands on: without the platform's turn.
+    pub ground_yaw_rate: f32,
+    /// Angle about +Y by which it still has to turn to face what it shall, radians, left positive.
+    pub turn_ahead: f32,
+    /// Whether it faces a given direction, whatever way it goes.
+    pub facing_locked: bool,
     /// Seconds since the character last stood on ground; 0 when grounded.
     pub air_time: f32,
     /// Speed of the last landing, downward, m/s.
     pub landing_speed: f32,
+    /// Counts jumps; a change tells later stages that one has begun.
+    pub jumps: u32,
     /// Whether the capsule is crouched; stays so under a ceiling too low to stand up.
     pub crouched: bool,
     /// Sum of all vertical ways of the root by step-up, step-down and snapping, metres.
@@ -153,14 +162,11 @@ fn move_characters(
             layers.map_or_else(SpatialQueryFilter::default, |layers| SpatialQueryFilter::from_mask(layers.filters));
         let config = &shapes.config;
         let top_speed = if body.crouched { config.crouch_speed } else { config.sprint_speed };
-        let tick = Tick {
-            view: View { space, me, filter },
-            config,
-            shapes,
-            intent: intent.sanitised(top_speed),
-            transform,
-            dt,
-        };
+        let mut intent = intent.sanitised(top_speed);
+        if let Some(facing) = intent.facing {
+            intent.velocity = limit_strafe(intent.velocity, facing, config.sprint_speed, config.strafe_speed);
+        }
+        let tick = Tick { view: View { space, me, filter }, config, shapes, intent, transform, dt };
         tick.run(&mut body, &mut state);
     });
 }

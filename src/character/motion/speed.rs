@@ -1,6 +1,8 @@
 //! How velocity follows what is wanted. Pure; horizontal vectors, m/s.
 
-use bevy::math::Vec3;
+use bevy::math::{Vec2, Vec3};
+
+use crate::math::rotation::direction_or;
 
 /// How fast velocity may change, m/s².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +31,21 @@ pub(super) fn approach_velocity(current: Vec3, wanted: Vec3, rates: SpeedRates, 
     if distance <= step { wanted } else { current + way * (step / distance) }
 }
 
+/// `wanted` cut to the ellipse of speeds that a body facing `facing` reaches: `ahead` m/s forward, `aside` m/s to the sides
+/// and backward. A body that faces nowhere is not limited.
+#[must_use]
+pub(super) fn limit_strafe(wanted: Vec3, facing: Vec3, ahead: f32, aside: f32) -> Vec3 {
+    let forward = direction_or(facing.with_y(0.0), Vec3::ZERO);
+    if forward == Vec3::ZERO {
+        return wanted;
+    }
+    let along = wanted.dot(forward);
+    let across = (wanted - forward * along).length();
+    let most = if along > 0.0 { ahead } else { aside };
+    let share = Vec2::new(along / most.max(1e-3), across / aside.max(1e-3)).length();
+    if share > 1.0 { wanted / share } else { wanted }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,6 +69,16 @@ mod tests {
             let (to_63, to_90) = (time_to(0.63, speed), time_to(0.9, speed));
             assert!(to_63 <= most_63 && to_90 <= most_90, "{speed} m/s: 63 % after {to_63} s, 90 % after {to_90} s");
         }
+    }
+
+    #[test]
+    fn sideways_and_backward_are_slower_than_ahead() {
+        for (wanted, speed) in [(Vec3::NEG_Z, 3.5), (Vec3::X, 1.8), (Vec3::Z, 1.8), (Vec3::new(1.0, 0.0, -1.0), 2.438)]
+        {
+            let got = limit_strafe(wanted.normalize() * 3.5, Vec3::NEG_Z * 7.0, 6.0, 1.8);
+            assert!((got.length() - speed).abs() < 0.01, "{wanted}: {} m/s instead of {speed}", got.length());
+        }
+        assert_eq!(limit_strafe(Vec3::X, Vec3::NEG_Z, 6.0, 1.8), Vec3::X, "slow enough already");
     }
 
     #[test]

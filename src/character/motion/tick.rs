@@ -16,7 +16,7 @@ use super::{
     slope::limit_cos,
     space::View,
     speed::{SpeedRates, approach_velocity},
-    turn::{TurnRates, turn_toward},
+    turn::{TurnRates, turn_toward, way_round},
     walk::walk,
 };
 use crate::{
@@ -62,7 +62,7 @@ impl Tick<'_> {
         self.ride(body);
         self.choose_posture(body);
         self.get_unstuck(body, state);
-        self.turn(body);
+        self.turn(body, state);
         let travelled = self.travel(body, state);
         state.stepped += follow_ground(body, travelled, self.config, self.dt);
         self.board(body, travelled.before.is_none());
@@ -201,13 +201,19 @@ impl Tick<'_> {
         above.map_or(Vec3::ZERO, |above| Vec3::Y * (above.height + 0.01 - at.y))
     }
 
-    fn turn(&self, body: &mut MotionBody) {
-        let wanted = self.intent.facing.unwrap_or(self.intent.velocity);
+    fn turn(&self, body: &mut MotionBody, state: &mut MotionState) {
+        let (intent, config) = (&self.intent, self.config);
+        let wanted = intent.facing.unwrap_or(intent.velocity);
         let flat = Vec3::new(wanted.x, 0.0, wanted.z);
-        let least = if self.intent.facing.is_some() { 1e-6 } else { TURNING_SPEED };
+        let least = if intent.facing.is_some() { 1e-6 } else { TURNING_SPEED };
         let goal = if flat.length() > least { heading(flat) } else { body.yaw.value };
-        let rates = TurnRates { half_life: self.config.turn_half_life, most: self.config.turn_rate };
-        body.yaw = turn_toward(body.yaw, goal, rates, self.dt);
+        let stands = body.support.is_some() && intent.velocity == Vec3::ZERO && body.velocity.length() < TURNING_SPEED;
+        let most = if stands { config.turn_rate.min(config.standing_turn_rate) } else { config.turn_rate };
+        let yaw = turn_toward(body.yaw, goal, TurnRates { half_life: config.turn_half_life, most }, self.dt);
+        state.ground_yaw_rate = wrap_angle(yaw.value - body.yaw.value) / self.dt;
+        state.turn_ahead = way_round(yaw, goal);
+        state.facing_locked = intent.facing.is_some();
+        body.yaw = yaw;
     }
 
     /// Walks, jumps or flies.
@@ -261,6 +267,7 @@ impl Tick<'_> {
             // A late jump off a ledge is as high as any.
             body.velocity.y = body.velocity.y.max(0.0) + jump_speed(self.config.jump_height, self.config.gravity);
             body.jumping = true;
+            state.jumps = state.jumps.wrapping_add(1);
         }
         let velocity = air_velocity(body.velocity, &self.intent, body.jumping, self.config, self.dt);
         slider.velocity = velocity + body.frame_velocity;

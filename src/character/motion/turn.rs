@@ -22,11 +22,7 @@ pub(super) fn turn_toward(yaw: Spring<f32>, goal: f32, rates: TurnRates, dt: f32
     if dt <= 0.0 {
         return yaw;
     }
-    let mut way = wrap_angle(goal - yaw.value);
-    // Within 10° of straight behind either way is as short; keep turning the way it turns.
-    if way.abs() > PI - 0.17 && way * yaw.velocity < 0.0 {
-        way += 2.0 * PI * yaw.velocity.signum();
-    }
+    let way = way_round(yaw, goal);
     let mut spring = Spring { value: 0.0, velocity: yaw.velocity };
     spring.step(way, rates.half_life, dt);
     let most = rates.most.max(0.0) * dt;
@@ -35,6 +31,14 @@ pub(super) fn turn_toward(yaw: Spring<f32>, goal: f32, rates: TurnRates, dt: f32
     }
     spring.velocity = spring.velocity.clamp(-rates.most.max(0.0), rates.most.max(0.0));
     Spring { value: wrap_angle(yaw.value + spring.value), velocity: spring.velocity }
+}
+
+/// Angle from the heading `yaw` to `goal`, the way that it turns.
+#[must_use]
+pub(super) fn way_round(yaw: Spring<f32>, goal: f32) -> f32 {
+    let way = wrap_angle(goal - yaw.value);
+    // Within 10° of straight behind either way is as short; keep turning the way it turns.
+    if way.abs() > PI - 0.17 && way * yaw.velocity < 0.0 { way + 2.0 * PI * yaw.velocity.signum() } else { way }
 }
 
 #[cfg(test)]

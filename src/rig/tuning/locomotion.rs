@@ -3,14 +3,18 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::standard;
+
 /// The locomotion state machine.
 #[derive(Reflect, Clone, Debug, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LocomotionConfig {
-    /// States. The first is where a character starts.
-    pub states: Vec<StateConfig>,
-    /// Transitions, tried in order; the first whose condition holds is taken.
-    pub transitions: Vec<TransitionConfig>,
+    /// States. The first is where a character starts. Default `None`: the [standard ones](super::standard), as far as
+    /// their clips exist.
+    pub states: Option<Vec<StateConfig>>,
+    /// Transitions, tried in order; the first whose condition holds is taken. Default `None`: the standard ones, as far as
+    /// their states exist.
+    pub transitions: Option<Vec<TransitionConfig>>,
     /// Slowest and fastest playback rate of a clip that follows the ground speed. Default (0.75, 1.25).
     ///
     /// Speeds beyond are reached by warping the stride. Narrow: strides shrink and stretch. Wide: legs whirl or crawl.
@@ -21,6 +25,10 @@ pub struct LocomotionConfig {
     ///
     /// 0: strides as on the level, which on stairs take three treads at once. Large: feet patter.
     pub climb_cadence: f32,
+    /// Half-life, in seconds, in which a blend of clips follows the way that the character goes. Default 0.08.
+    ///
+    /// Short: a sudden sidestep jerks. Long: the feet slide until the blend has come round.
+    pub blend_half_life: f32,
 }
 
 /// A state: what plays while the character is in it.
@@ -29,8 +37,13 @@ pub struct LocomotionConfig {
 pub struct StateConfig {
     /// Its name, for transitions and for looking at.
     pub name: String,
-    /// The clip that plays: a name of the character's `clips`.
+    /// The clip that plays: a name of the character's `clips`. Empty for a blend.
+    #[serde(default)]
     pub clip: String,
+    /// Instead of one clip, several gaits that go different ways: they are mixed by the way the character goes, as its
+    /// body sees it. Where each one goes and how fast is read from its feet.
+    #[serde(default)]
+    pub blend: Vec<String>,
     /// How the clip's time runs.
     #[serde(default)]
     pub pace: Pace,
@@ -48,6 +61,20 @@ pub enum Pace {
         /// Phase 0..1 from which the gait starts when it is entered from standing; 0 is left contact.
         start_phase: f32,
     },
+    /// By the turn: once through the clip while the character turns by `angle` over its ground. For turns on the spot.
+    Turn {
+        /// Degrees in RON, left positive.
+        #[serde(with = "super::degrees")]
+        angle: f32,
+    },
+}
+
+impl StateConfig {
+    /// Names of all clips that it plays.
+    pub fn clips(&self) -> impl Iterator<Item = &str> {
+        let single = (!self.clip.is_empty()).then_some(&self.clip);
+        single.into_iter().chain(&self.blend).map(String::as_str)
+    }
 }
 
 /// A way from state to state.
@@ -96,6 +123,20 @@ pub enum Condition {
     AirborneFor(f32),
     /// Falling faster than this, in m/s, downward positive.
     FallingFaster(f32),
+    /// A jump has just begun.
+    Jumped,
+    /// On the ground after a landing faster than this, in m/s.
+    LandedFaster(f32),
+    /// What it shall face is given (it aims), whatever way it goes.
+    FacingLocked,
+    /// It faces the way it goes.
+    FacingFree,
+    /// It still has to turn by more than this to the left to face what it shall, degrees in RON.
+    TurnLeftAbove(#[serde(with = "super::degrees")] f32),
+    /// The same to the right.
+    TurnRightAbove(#[serde(with = "super::degrees")] f32),
+    /// It faces what it shall, but for this, degrees in RON.
+    TurnBelow(#[serde(with = "super::degrees")] f32),
     /// Longer in the state than this, in seconds.
     InStateFor(f32),
     /// The state's clip has played to its end.
@@ -112,30 +153,53 @@ pub enum Condition {
 
 impl Default for LocomotionConfig {
     fn default() -> Self {
-        let state = |name: &str, pace| StateConfig { name: name.to_owned(), clip: name.to_owned(), pace };
-        let change = |from: &str, to: &str, when, fade| TransitionConfig {
-            from: vec![from.to_owned()],
-            to: to.to_owned(),
-            when,
-            fade,
-            blend: TransitionBlend::CrossFade,
-        };
         Self {
-            states: vec![
-                state("idle", Pace::Clock),
-                state("walk", Pace::Gait { start_phase: 0.14 }),
-                state("run", Pace::Gait { start_phase: 0.05 }),
-            ],
-            transitions: vec![
-                change("idle", "run", Condition::SpeedAbove(2.4), 0.2),
-                change("idle", "walk", Condition::SpeedAbove(0.15), 0.2),
-                change("walk", "run", Condition::SpeedAbove(2.4), 0.25),
-                change("run", "walk", Condition::SpeedBelow(2.0), 0.25),
-                change("walk", "idle", Condition::SpeedBelow(0.08), 0.25),
-            ],
+            states: None,
+            transitions: None,
             rate_range: (0.75, 1.25),
             stride_range: (0.3, 1.6),
             climb_cadence: 0.9,
+            blend_half_life: 0.08,
         }
+    }
+}
+
+impl LocomotionConfig {
+    /// Its states; none while they are left to the standard ones.
+    #[must_use]
+    pub fn states(&self) -> &[StateConfig] {
+        self.states.as_deref().unwrap_or_default()
+    }
+
+    /// Its transitions; none while they are left to the standard ones.
+    #[must_use]
+    pub fn transitions(&self) -> &[TransitionConfig] {
+        self.transitions.as_deref().unwrap_or_default()
+    }
+
+    /// The same with standard lists in place of those left out: states whose clip exists, transitions between states that
+    /// exist. Lists that are there stay as they are.
+    #[must_use]
+    pub fn completed(&self, has_clip: impl Fn(&str) -> bool) -> Self {
+        let states = self.states.clone().unwrap_or_else(|| {
+            let mut states = standard::states();
+            for state in &mut states {
+                state.blend.retain(|clip| has_clip(clip));
+            }
+            // Of ways to go, one is no choice.
+            states.retain(|state| if state.clip.is_empty() { state.blend.len() > 1 } else { has_clip(&state.clip) });
+            states
+        });
+        let exists = |name: &String| states.iter().any(|state| &state.name == name);
+        let transitions = self.transitions.clone().unwrap_or_else(|| {
+            let mut transitions = standard::transitions();
+            transitions.retain_mut(|transition| {
+                let from_any = transition.from.is_empty();
+                transition.from.retain(exists);
+                exists(&transition.to) && (from_any || !transition.from.is_empty())
+            });
+            transitions
+        });
+        Self { states: Some(states), transitions: Some(transitions), ..self.clone() }
     }
 }

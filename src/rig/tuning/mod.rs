@@ -5,3 +5,4 @@ pub mod foot_ik;
 pub mod locomotion;
 pub mod motion;
 pub mod ranges;
+pub mod standard;

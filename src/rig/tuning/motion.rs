@@ -18,6 +18,10 @@ pub struct MotionConfig {
     pub sprint_speed: f32,
     /// Fastest speed while crouched, m/s. Default 1.2.
     pub crouch_speed: f32,
+    /// Fastest speed sideways and backward while the facing is given, m/s. Default 1.8.
+    ///
+    /// Large: legs that close and open can't keep up, and feet slide.
+    pub strafe_speed: f32,
     /// Rate at which speed grows, m/s². Default 8.
     ///
     /// Small: heavy and late. Large: the body darts off before the legs can follow.
@@ -33,6 +37,11 @@ pub struct MotionConfig {
     /// Fastest turn, degrees per second in RON. Default 720°.
     #[serde(with = "super::degrees")]
     pub turn_rate: f32,
+    /// Fastest turn on the spot, degrees per second in RON. Default 200°.
+    ///
+    /// Large: the feet can't step round as fast.
+    #[serde(with = "super::degrees")]
+    pub standing_turn_rate: f32,
     /// Radius of the capsule, metres. Default 0.28.
     pub radius: f32,
     /// Height of the capsule from the ground to its top, metres. Default 1.8.
@@ -79,12 +88,14 @@ impl Default for MotionConfig {
             run_speed: 3.5,
             sprint_speed: 6.0,
             crouch_speed: 1.2,
+            strafe_speed: 1.8,
             acceleration: 8.0,
             braking: 12.0,
             reversal: 16.0,
             air_acceleration: 3.0,
             turn_half_life: 0.07,
             turn_rate: 720f32.to_radians(),
+            standing_turn_rate: 200f32.to_radians(),
             radius: 0.28,
             height: 1.8,
             crouch_height: 1.2,
@@ -143,18 +154,20 @@ impl MotionConfig {
         mended
     }
 
-    fn fields(&mut self) -> [(&'static str, &mut f32); 25] {
+    fn fields(&mut self) -> [(&'static str, &mut f32); 27] {
         [
             ("walk_speed", &mut self.walk_speed),
             ("run_speed", &mut self.run_speed),
             ("sprint_speed", &mut self.sprint_speed),
             ("crouch_speed", &mut self.crouch_speed),
+            ("strafe_speed", &mut self.strafe_speed),
             ("acceleration", &mut self.acceleration),
             ("braking", &mut self.braking),
             ("reversal", &mut self.reversal),
             ("air_acceleration", &mut self.air_acceleration),
             ("turn_half_life", &mut self.turn_half_life),
             ("turn_rate", &mut self.turn_rate),
+            ("standing_turn_rate", &mut self.standing_turn_rate),
             ("radius", &mut self.radius),
             ("height", &mut self.height),
             ("crouch_height", &mut self.crouch_height),
@@ -182,6 +195,7 @@ impl MotionConfig {
             run_speed: of(self.run_speed),
             sprint_speed: of(self.sprint_speed),
             crouch_speed: of(self.crouch_speed),
+            strafe_speed: of(self.strafe_speed),
             acceleration: of(self.acceleration),
             braking: of(self.braking),
             reversal: of(self.reversal),

@@ -122,7 +122,7 @@ impl MotionConfig {
 }
 
 impl LocomotionConfig {
-    /// Checks every range and that transitions lead to states that exist.
+    /// Checks every range and, where states are listed, that transitions lead to states that exist.
     ///
     /// # Errors
     /// With the first value out of range.
@@ -130,7 +130,25 @@ impl LocomotionConfig {
         ranges.finite(self)?;
         ranges.ordered("rate_range", self.rate_range, 0.05..=10.0)?;
         ranges.ordered("stride_range", self.stride_range, 0.05..=10.0)?;
-        let names = || self.states.iter().map(|state| state.name.as_str());
+        ranges.within("climb_cadence", self.climb_cadence, 0.0..=10.0, "")?;
+        ranges.within("blend_half_life", self.blend_half_life, 0.0..=5.0, " s")?;
+        if let Some(states) = &self.states {
+            check_states(ranges, states)?;
+            self.check_names(ranges)?;
+        }
+        for (index, transition) in self.transitions().iter().enumerate() {
+            ranges.within(&format!("transitions[{index}].fade"), transition.fade, 0.0..=10.0, " s")?;
+            check_condition(ranges, &format!("transitions[{index}].when"), &transition.when)?;
+        }
+        Ok(())
+    }
+
+    /// Checks that transitions lead from and to states that exist.
+    ///
+    /// # Errors
+    /// With the first name of a state that doesn't.
+    pub fn check_names(&self, ranges: &Ranges) -> Result<(), RangeError> {
+        let names = || self.states().iter().map(|state| state.name.as_str());
         let known = |field: String, name: &str| {
             if names().any(|state| state == name) {
                 return Ok(());
@@ -138,34 +156,53 @@ impl LocomotionConfig {
             let valid = format!("one of {}{}", listed(names()), suggestion(name, names()));
             Err(ranges.fail(&field, format!("`{name}`"), valid))
         };
-        if self.states.is_empty() {
-            return Err(ranges.fail("states", "empty".to_owned(), "at least one state".to_owned()));
-        }
-        for (index, state) in self.states.iter().enumerate() {
-            if self.states[..index].iter().any(|earlier| earlier.name == state.name) {
-                let field = format!("states[{index}].name");
-                return Err(ranges.fail(&field, format!("`{}`", state.name), "a name of its own".to_owned()));
-            }
-            if let StateConfig { pace: Pace::Gait { start_phase }, .. } = state {
-                ranges.within(&format!("states[{index}].pace.start_phase"), *start_phase, 0.0..=1.0, "")?;
-            }
-        }
-        for (index, transition) in self.transitions.iter().enumerate() {
+        for (index, transition) in self.transitions().iter().enumerate() {
             known(format!("transitions[{index}].to"), &transition.to)?;
             for from in &transition.from {
                 known(format!("transitions[{index}].from"), from)?;
             }
-            ranges.within(&format!("transitions[{index}].fade"), transition.fade, 0.0..=10.0, " s")?;
-            check_condition(ranges, &format!("transitions[{index}].when"), &transition.when)?;
         }
         Ok(())
     }
 }
 
+fn check_states(ranges: &Ranges, states: &[StateConfig]) -> Result<(), RangeError> {
+    if states.is_empty() {
+        return Err(ranges.fail("states", "empty".to_owned(), "at least one state".to_owned()));
+    }
+    for (index, state) in states.iter().enumerate() {
+        let field = |name: &str| format!("states[{index}].{name}");
+        if states[..index].iter().any(|earlier| earlier.name == state.name) {
+            return Err(ranges.fail(&field("name"), format!("`{}`", state.name), "a name of its own".to_owned()));
+        }
+        if state.clip.is_empty() == state.blend.is_empty() {
+            let value = if state.clip.is_empty() { "empty" } else { "there beside `blend`" };
+            return Err(ranges.fail(&field("clip"), value.to_owned(), "either a clip or a blend".to_owned()));
+        }
+        match state.pace {
+            Pace::Clock => {}
+            Pace::Gait { start_phase } => ranges.within(&field("pace.start_phase"), start_phase, 0.0..=1.0, "")?,
+            Pace::Turn { angle } if angle.abs() < 0.01 => {
+                return Err(ranges.fail(
+                    &field("pace.angle"),
+                    "0°".to_owned(),
+                    "a turn to the left or right".to_owned(),
+                ));
+            }
+            Pace::Turn { angle } => ranges.degrees(&field("pace.angle"), angle, -720.0..=720.0)?,
+        }
+    }
+    Ok(())
+}
+
 fn check_condition(ranges: &Ranges, field: &str, condition: &Condition) -> Result<(), RangeError> {
     match condition {
-        Condition::SpeedAbove(speed) | Condition::SpeedBelow(speed) | Condition::FallingFaster(speed) => {
-            ranges.within(field, *speed, 0.0..=100.0, " m/s")
+        Condition::SpeedAbove(speed)
+        | Condition::SpeedBelow(speed)
+        | Condition::FallingFaster(speed)
+        | Condition::LandedFaster(speed) => ranges.within(field, *speed, 0.0..=100.0, " m/s"),
+        Condition::TurnLeftAbove(angle) | Condition::TurnRightAbove(angle) | Condition::TurnBelow(angle) => {
+            ranges.degrees(field, *angle, 0.0..=180.0)
         }
         Condition::AirborneFor(time) | Condition::InStateFor(time) => ranges.within(field, *time, 0.0..=3600.0, " s"),
         Condition::All(conditions) => {

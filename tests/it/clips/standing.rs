@@ -31,8 +31,7 @@ fn feet_in_a_turn_stand_still_under_the_turning_root() {
         let clip = body.clip(name);
         let root = |key: usize| {
             let t = key as f32 / clip.last() as f32;
-            let eased = t * t * t * (t * (6.0 * t - 15.0) + 10.0);
-            Quat::from_rotation_y(sign * eased * core::f32::consts::FRAC_PI_2)
+            Quat::from_rotation_y(sign * t * core::f32::consts::FRAC_PI_2)
         };
         for (side, side_name) in SIDES.iter().enumerate() {
             for key in 0..clip.last() {

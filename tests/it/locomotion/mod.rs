@@ -1,0 +1,183 @@
+//! Intents in, the right clips out.
+
+mod aim;
+mod air;
+
+use bevy::prelude::*;
+use surefoot::{
+    character::{Character, animator::CharacterPose, intent::MoveIntent, locomotion::Locomotion, motion::MotionState},
+    rig::character::CharacterAsset,
+    testing::{Piece, Stage, Tape, World},
+};
+
+/// A walker on `ground`, half a second old.
+fn walker_on(ground: &World) -> (Stage, Entity) {
+    let mut stage = Stage::on(ground);
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.run_for(0.5);
+    (stage, walker)
+}
+
+fn asset(stage: &Stage, walker: Entity) -> &CharacterAsset {
+    stage.asset(walker).expect("the mannequin is loaded")
+}
+
+/// Weight of a clip, whatever state plays it.
+fn clip_weight(stage: &Stage, walker: Entity, clip: &str) -> f32 {
+    stage.get::<Locomotion>(walker).expect("bound").weight_of_clip(asset(stage, walker), clip)
+}
+
+fn state(stage: &Stage, walker: Entity) -> String {
+    stage.get::<Locomotion>(walker).expect("the walker is bound").state().to_owned()
+}
+
+fn weight(stage: &Stage, walker: Entity, name: &str) -> f32 {
+    stage.get::<Locomotion>(walker).expect("the walker is bound").weight_of(name)
+}
+
+#[test]
+fn intents_lead_from_idle_over_walk_and_run_to_sprint_and_back() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    for (speed, name) in
+        [(0.0, "idle"), (1.4, "walk"), (3.5, "run"), (6.0, "sprint"), (3.5, "run"), (1.4, "walk"), (0.0, "idle")]
+    {
+        stage.walk(walker, Vec3::NEG_Z * speed).run_for(1.5);
+        assert_eq!(state(&stage, walker), name, "after 1.5 s at {speed} m/s");
+        let weight = weight(&stage, walker, name);
+        assert!(weight > 0.999, "{name} weighs {weight} after 1.5 s at {speed} m/s");
+    }
+}
+
+#[test]
+fn a_fade_takes_between_a_tenth_and_three_tenths_of_a_second() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.run_for(0.5).walk(walker, Vec3::NEG_Z * 1.4);
+    let (mut first, mut last) = (None, None);
+    for frame in 0..60 {
+        stage.run_for(1.0 / 60.0);
+        let weight = weight(&stage, walker, "walk");
+        if weight > 0.01 {
+            first = first.or(Some(frame));
+        }
+        if weight > 0.99 {
+            last = last.or(Some(frame));
+        }
+    }
+    let (first, last) = (first.expect("walking begins"), last.expect("walking is reached"));
+    let seconds = (last - first) as f32 / 60.0;
+    assert!((0.08..=0.3).contains(&seconds), "the fade took {seconds:.2} s");
+}
+
+#[test]
+fn walk_and_run_keep_the_phase_of_the_feet() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.walk(walker, Vec3::NEG_Z * 1.4).run_for(2.0).walk(walker, Vec3::NEG_Z * 3.5);
+    let mut last = stage.get::<Locomotion>(walker).expect("bound").machine.phase();
+    for _ in 0..90 {
+        stage.run_for(1.0 / 60.0);
+        let phase = stage.get::<Locomotion>(walker).expect("bound").machine.phase();
+        let moved = (phase - last).rem_euclid(1.0);
+        assert!(moved < 0.05, "the phase jumped by {moved:.3} of a stride in one frame");
+        last = phase;
+    }
+    assert_eq!(state(&stage, walker), "run");
+}
+
+#[test]
+fn nan_in_an_intent_is_harmless() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    let nonsense =
+        MoveIntent { velocity: Vec3::new(f32::NAN, f32::INFINITY, 1.0), facing: Some(Vec3::NAN), ..default() };
+    stage.intend(walker, nonsense).run_for(0.5);
+    let root = stage.root(walker);
+    assert!(root.is_finite(), "the root went to {root}");
+    stage.walk(walker, Vec3::NEG_Z * 1.4).run_for(1.0);
+    assert!(stage.root(walker).z < root.z - 0.8, "it walks no more: {}", stage.root(walker));
+}
+
+#[test]
+fn the_first_pose_change_comes_within_two_frames() {
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    stage.run_for(1.0);
+    let before = stage.root(walker);
+    stage.walk(walker, Vec3::NEG_Z * 1.4).run_for(2.0 / 60.0);
+    let moved = stage.root(walker).distance(before);
+    assert!(moved > 1e-4, "moved {moved} m within two frames");
+}
+
+#[test]
+fn two_runs_of_one_tape_give_the_same_poses() {
+    let run = || {
+        let mut stage = Stage::on(&World::hills());
+        let walker = stage.spawn_walker().expect("the mannequin loads");
+        stage.play(walker, &Tape::change_gait());
+        let pose = &stage.get::<CharacterPose>(walker).expect("bound").pose;
+        pose.locals().iter().flat_map(|joint| joint.rotation.to_array()).map(f32::to_bits).collect::<Vec<u32>>()
+    };
+    assert!(run() == run(), "two runs of one tape end in different poses");
+}
+
+#[test]
+fn who_crouches_waits_and_walks_low() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    for (speed, crouch, name) in
+        [(0.0, true, "crouch_idle"), (1.0, true, "crouch_walk"), (0.0, true, "crouch_idle"), (0.0, false, "idle")]
+    {
+        let intent = MoveIntent { velocity: Vec3::NEG_Z * speed, crouch, ..default() };
+        stage.intend(walker, intent).run_for(1.0);
+        assert_eq!(state(&stage, walker), name, "at {speed} m/s, crouch: {crouch}");
+        let weight = clip_weight(&stage, walker, name);
+        assert!(weight > 0.999, "{name} weighs {weight}");
+    }
+}
+
+#[test]
+fn under_a_low_ceiling_it_stays_low_until_there_is_room() {
+    let mut ground = World::flat();
+    // From z = -2 to -6, 1.4 m above the ground: less than a standing body, more than a crouched one.
+    ground.pieces.push(Piece::block(Vec3::new(6.0, 1.0, 4.0), Transform::from_xyz(0.0, 1.9, -4.0)));
+    let (mut stage, walker) = walker_on(&ground);
+    let go = |crouch| MoveIntent { velocity: Vec3::NEG_Z, crouch, ..default() };
+    stage.intend(walker, go(true)).run_for(4.0);
+    stage.intend(walker, go(false)).run_for(0.5);
+    let root = stage.root(walker);
+    assert!(root.z < -2.5 && root.z > -6.0, "it is below the ceiling, at {root}");
+    assert_eq!(state(&stage, walker), "crouch_walk", "no room to stand up");
+    stage.run_for(4.0);
+    assert!(stage.root(walker).z < -6.3, "it got through, to {}", stage.root(walker));
+    assert_eq!(state(&stage, walker), "walk", "there is room again");
+}
+
+#[test]
+fn a_wave_is_a_trigger_away() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    stage.app().world_mut().get_mut::<Locomotion>(walker).expect("bound").trigger("wave");
+    stage.run_for(0.5);
+    assert_eq!(state(&stage, walker), "wave");
+    stage.run_for(4.0);
+    assert_eq!(state(&stage, walker), "idle", "when it is over");
+}
+
+#[test]
+fn a_changed_file_is_taken_over_in_mid_run() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    stage.walk(walker, Vec3::NEG_Z * 3.5).run_for(1.5);
+    let before = stage.get::<Locomotion>(walker).expect("bound").machine.phase();
+    let handle = stage.get::<Character>(walker).expect("spawned").0.clone();
+    let mut assets = stage.app().world_mut().resource_mut::<Assets<CharacterAsset>>();
+    assets.get_mut(&handle).expect("loaded").file.locomotion.rate_range = (0.9, 1.1);
+    stage.run_for(2.0 / 60.0);
+    let locomotion = stage.get::<Locomotion>(walker).expect("bound");
+    let moved = (locomotion.machine.phase() - before).rem_euclid(1.0);
+    assert_eq!(locomotion.state(), "run", "the run goes on");
+    assert!(moved < 0.1, "the phase jumped by {moved:.3} of a stride");
+    assert!(locomotion.weight_of("run") > 0.999);
+    stage.run_for(1.0);
+    let speed = stage.get::<MotionState>(walker).expect("spawned").ground_velocity.length();
+    assert!((speed - 3.5).abs() < 0.01, "it runs on at {speed} m/s");
+}
