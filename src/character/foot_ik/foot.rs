@@ -180,12 +180,7 @@ impl FootState {
                 if foot.contact < 0.5 {
                     return self.release(Release::ContactEnded, foot, around);
                 }
-                let wanted = match plant.pivot {
-                    Pivot::Heel => foot.heel,
-                    Pivot::Ball => foot.ball,
-                    Pivot::Tip => foot.tip,
-                };
-                let error = flat(anchor - wanted).length();
+                let error = flat(anchor - foot.point(plant.pivot)).length();
                 let turned = self.yaw_offset.abs();
                 let config = around.config;
                 // A gait lifts the foot soon by itself.
@@ -220,12 +215,16 @@ impl FootState {
         foot: &AnimatedFoot,
         around: &Surroundings<'_, P, G>,
     ) {
-        let ground = self.plant().map(|plant| plant.ground);
+        let plant = self.plant().copied();
+        if let Some((plant, anchor)) = plant.and_then(|plant| Some((plant, anchor_world(&plant, around.frames)?))) {
+            // It takes off from where it is held now, not from where the ball was in the last frame.
+            self.placed_ball = (foot.ball + flat(anchor - foot.point(plant.pivot))).with_y(self.placed_ball.y);
+        }
         self.released = why;
         self.mode = Mode::Swing;
         self.landing = Landing::default();
         self.flight = Flight::from(self, foot);
-        self.flight.leave(ground, around.frames);
+        self.flight.leave(plant.map(|plant| plant.ground), around.frames);
     }
 
     fn begin_step<P: Probe, G: GroundFrames>(

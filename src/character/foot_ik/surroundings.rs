@@ -2,7 +2,10 @@
 
 use bevy::prelude::*;
 
-use super::ground::{Plane, Reach, SoleShape};
+use super::{
+    foot::Pivot,
+    ground::{Plane, Reach, SoleShape},
+};
 use crate::rig::tuning::foot_ik::FootIkConfig;
 
 /// The sole as the clip has it, in world space on the character's own floor plane.
@@ -32,6 +35,18 @@ pub struct AnimatedFoot {
     pub landing: Vec3,
     /// Direction that it points to when it lands.
     pub landing_forward: Vec3,
+}
+
+impl AnimatedFoot {
+    /// The point of the sole that a lock of this kind holds.
+    #[must_use]
+    pub fn point(&self, pivot: Pivot) -> Vec3 {
+        match pivot {
+            Pivot::Heel => self.heel,
+            Pivot::Ball => self.ball,
+            Pivot::Tip => self.tip,
+        }
+    }
 }
 
 /// Where the ground entity is.

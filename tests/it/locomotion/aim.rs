@@ -43,7 +43,8 @@ fn feet_hold_still_whichever_way_it_goes() {
         stage.intend(walker, aim(way * 1.3, Vec3::NEG_Z)).run_for(1.0).start_recording(walker).run_for(4.0);
         let measures = stage.measures(walker);
         assert!(measures.drift_max < 20.0, "going {degrees}° aside a plant drifts by {:.1} mm", measures.drift_max);
-        assert!(measures.reach_max < 5.0, "going {degrees}° aside an ankle misses by {:.1} mm", measures.reach_max);
+        let missed = measures.reach_max.unwrap_or(0.0);
+        assert!(missed < 5.0, "going {degrees}° aside an ankle misses by {missed:.1} mm");
     }
 }
 

@@ -88,8 +88,8 @@ fn stride() -> Stride {
         toes: toe_curve(&pitch, tip_off, &toes),
         pitch,
         bends: [0.35, 0.085],
-        hold: [0.11, 0.10],
-        rise: [0.055, 0.034],
+        hold: [0.11, 0.105],
+        rise: [0.05, 0.03],
         bumps: vec![Bump::new(0.80, 0.19, 0.03, 0.0)],
         swing: Some(Box::new(
             SwingAngles { thigh: THIGH, shank: SHANK, least_knee: 32.0, toe_off: [0.355; 2], early: 0.03, x: 0.040 }
