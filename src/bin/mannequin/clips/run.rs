@@ -88,7 +88,7 @@ fn stride() -> Stride {
         toes: toe_curve(&pitch, tip_off, &toes),
         pitch,
         bends: [0.35, 0.085],
-        hold: [0.11, 0.105],
+        hold: [0.11, 0.10],
         rise: [0.05, 0.03],
         bumps: vec![Bump::new(0.80, 0.19, 0.03, 0.0)],
         swing: Some(Box::new(
