@@ -185,8 +185,8 @@ impl FootState {
                 let config = around.config;
                 // A gait lifts the foot soon by itself.
                 let patience = if around.may_restep { 1.0 } else { PATIENCE };
-                if foot.contact < 0.9 {
-                    // Half lifted already.
+                if foot.contact < 0.9 || !around.other_holds {
+                    // Half lifted already, or the only foot on the ground.
                 } else if error > patience * config.unplant_radius {
                     self.begin_step(Release::TooFar, foot, around);
                 } else if turned > patience * config.unplant_yaw {
@@ -234,7 +234,8 @@ impl FootState {
         around: &Surroundings<'_, P, G>,
     ) {
         self.release(why, foot, around);
-        self.mode = Mode::Stepping { elapsed: 0.0, seconds: around.config.step_time.max(HURRY) };
+        let far = flat(self.placed_ball - foot.ball).length() * UNHURRIED;
+        self.mode = Mode::Stepping { elapsed: 0.0, seconds: around.config.step_time.max(HURRY).max(far) };
     }
 
     /// Takes hold of the ground where the foot is now.
@@ -374,6 +375,8 @@ const ROLLED: f32 = 0.002;
 const PATIENCE: f32 = 1.5;
 /// Turn in radians against a standing body from which a foot steps round: 20°.
 const RESTEP_YAW: f32 = 0.35;
+/// Seconds that a metre of a correcting step takes at least.
+const UNHURRIED: f32 = 1.4;
 /// Seconds of the shortest step.
 const HURRY: f32 = 0.2;
 /// Half-life in seconds in which a foot that came down over or under its ground settles onto it.

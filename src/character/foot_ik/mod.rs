@@ -40,7 +40,7 @@ use crate::{
 const TUNED_LEG: f32 = 0.875;
 
 /// Reach that the pelvis leaves to a lifted heel, as a fraction of the leg.
-const HEEL_SLACK: f32 = 0.04;
+const HEEL_SLACK: f32 = 0.02;
 /// Half-life in seconds in which a heel that needn't be lifted any more comes down.
 const HEEL_HALF_LIFE: f32 = 0.05;
 /// Seconds before a landing from which the pelvis prepares for it.
@@ -157,7 +157,8 @@ impl FootIk {
                 sole: self.soles[side],
                 config,
                 dt: body.dt,
-                may_restep: body.stands() && self.feet[1 - side].plant().is_some(),
+                other_holds: self.feet[1 - side].plant().is_some(),
+                may_restep: body.stands(),
             };
             self.feet[side].advance(&animated[side], &around)
         });

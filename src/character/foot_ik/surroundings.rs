@@ -69,6 +69,8 @@ pub struct Surroundings<'a, P, G> {
     pub config: &'a FootIkConfig,
     /// Seconds since the last frame.
     pub dt: f32,
+    /// Whether the other foot holds the ground.
+    pub other_holds: bool,
     /// Whether the character stands, so that the foot may correct its place.
     pub may_restep: bool,
 }
