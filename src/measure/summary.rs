@@ -18,7 +18,9 @@ pub struct Measures {
     /// The same, worst stance.
     pub drift_max: f32,
     /// Mean over frames of v · (2 − 2^clamp(h/2.5 cm, 0, 1)), v the horizontal speed over the ground of the lowest sole
-    /// point of both feet and h its height, cm/s (after Zhang et al. 2018, "Mode-Adaptive Neural Networks", 8.1).
+    /// point of both feet (the mean of those within 1 mm of it) and h its height halfway through the frame, cm/s.
+    ///
+    /// After Zhang et al. 2018, "Mode-Adaptive Neural Networks", 8.1.
     pub skate: f32,
     /// Depth of sole points under ground, mm, 99th percentile of frames.
     pub penetration_p99: f32,
@@ -64,6 +66,8 @@ pub struct Measures {
 
 /// Height in metres below which a foot's sliding counts.
 const SKATE_HEIGHT: f32 = 0.025;
+/// Metres within which sole points count as equally low.
+const SAME_HEIGHT: f32 = 0.001;
 /// Bend in radians from which a knee is bent backward; rounding is less.
 const BACKWARD: f32 = -0.5 * core::f32::consts::PI / 180.0;
 
@@ -179,17 +183,29 @@ fn skate(runs: &[&[Frame]]) -> f32 {
     let (mut sum, mut count) = (0.0f32, 0usize);
     for pair in runs.iter().flat_map(|run| run.windows(2)) {
         let dt = (pair[1].time - pair[0].time).max(1e-4);
-        // One foot of a walker stands while the other passes close over the ground: the lower one is asked.
-        let lowest = pair[0].feet.iter().zip(&pair[1].feet).filter_map(|(before, after)| {
-            let (point, height) = after.lowest()?;
-            Some((height, after.sole[point] - before.sole[point] - after.carried[point]))
-        });
-        let Some((height, moved)) = lowest.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
-        let share = 2.0 - ops::exp2((height / SKATE_HEIGHT).clamp(0.0, 1.0));
-        sum += moved.with_y(0.0).length() / dt * share * 100.0;
-        count += 1;
+        // One foot of a walker stands while the other passes close over the ground: the lowest points are asked.
+        let points = || pair[0].feet.iter().zip(&pair[1].feet).flat_map(|(before, after)| steps(before, after));
+        let lowest = points().map(|(height, _)| height).fold(f32::MAX, f32::min);
+        let (mut slid, mut asked) = (0.0f32, 0usize);
+        for (height, moved) in points().filter(|(height, _)| *height <= lowest + SAME_HEIGHT) {
+            let share = 2.0 - ops::exp2((height / SKATE_HEIGHT).clamp(0.0, 1.0));
+            slid += moved.with_y(0.0).length() / dt * share * 100.0;
+            asked += 1;
+        }
+        if asked > 0 {
+            sum += slid / asked as f32;
+            count += 1;
+        }
     }
     if count == 0 { 0.0 } else { sum / count as f32 }
+}
+
+/// Of each point of a sole: its mean height in two frames, and how far it moved over the ground between them, metres.
+fn steps(before: &FootFrame, after: &FootFrame) -> impl Iterator<Item = (f32, Vec3)> {
+    (0..3).filter_map(move |point| {
+        let [first, second] = [before, after].map(|foot| Some(foot.sole[point].y - foot.ground[point]?));
+        Some((0.5 * (first? + second?), after.sole[point] - before.sole[point] - after.carried[point]))
+    })
 }
 
 /// The value below which `share` of all values lie; 0 of none. Sorts `values`.
