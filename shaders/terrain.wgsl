@@ -1,19 +1,8 @@
 // Paints the ground; mirrors `GroundLook` in src/terrain/material.rs.
 // Vertex colour: red path, green bare ground, blue shade under obstacles, alpha broad patches.
-#import bevy_pbr::pbr_fragment::pbr_input_from_standard_material
+#import bevy_pbr::forward_io::{FragmentOutput, VertexOutput}
+#import surefoot::light::{SkyLight, lit}
 #import surefoot::noise::{grid_lines, hash, value_noise}
-
-#ifdef PREPASS_PIPELINE
-#import bevy_pbr::{
-    pbr_deferred_functions::deferred_output,
-    prepass_io::{FragmentOutput, VertexOutput},
-}
-#else
-#import bevy_pbr::{
-    forward_io::{FragmentOutput, VertexOutput},
-    pbr_functions::{apply_pbr_lighting, main_pass_post_lighting_processing},
-}
-#endif
 
 struct GroundLook {
     grass: vec4<f32>,
@@ -22,9 +11,10 @@ struct GroundLook {
     rock: vec4<f32>,
     paving: vec4<f32>,
     plaza: vec4<f32>,
+    sky: SkyLight,
 }
 
-@group(#{MATERIAL_BIND_GROUP}) @binding(100) var<uniform> look: GroundLook;
+@group(#{MATERIAL_BIND_GROUP}) @binding(0) var<uniform> look: GroundLook;
 
 // Metres from the plaza's edge, negative inside.
 fn plaza_distance(at: vec2<f32>) -> f32 {
@@ -50,8 +40,7 @@ fn meadow(at: vec2<f32>, step: vec2<f32>, height: f32, coarse: f32, fine: f32, n
 }
 
 @fragment
-fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> FragmentOutput {
-    var pbr = pbr_input_from_standard_material(in, is_front);
+fn fragment(in: VertexOutput) -> FragmentOutput {
     let at = in.world_position.xz;
     let step = max(fwidth(at), vec2(1e-4));
     // Detail fades before it would flicker.
@@ -64,7 +53,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let trodden = max(in.color.r, in.color.g);
     let dirt = smoothstep(0.3, 0.65, trodden + 0.5 * ragged);
     color = mix(color, look.dirt.rgb * (0.85 + 0.3 * fine), dirt);
-    let steep = 1.0 - normalize(in.world_normal).y;
+    let normal = normalize(in.world_normal);
+    let steep = 1.0 - normal.y;
     let rock = smoothstep(0.13, 0.2, steep + 0.06 * ragged);
     color = mix(color, look.rock.rgb * (0.6 + 0.4 * coarse + 0.3 * (fine - 0.5) * near), rock);
     let edge = plaza_distance(at);
@@ -75,14 +65,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     color = mix(color, look.paving.rgb * 0.62, kerb);
 
     let open = 1.0 - in.color.b;
-    pbr.material.base_color = vec4(color * (0.4 + 0.6 * open), 1.0);
-    pbr.diffuse_occlusion = vec3(open);
-
-#ifdef PREPASS_PIPELINE
-    return deferred_output(in, pbr);
-#else
     var out: FragmentOutput;
-    out.color = main_pass_post_lighting_processing(pbr, apply_pbr_lighting(pbr));
+    out.color = lit(color * (0.4 + 0.6 * open), normal, in.world_position, in.position.xy, open, look.sky);
     return out;
-#endif
 }

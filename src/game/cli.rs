@@ -48,7 +48,7 @@ pub struct Options {
     /// Writes what the character does to FILE, ten lines of JSON a second: time, position, velocity, grounded.
     #[arg(long, global = true, value_name = "FILE")]
     pub telemetry: Option<PathBuf>,
-    /// Width and height in pixels, such as 1280x720. Default 1280x720 in a window, 640x360 on film.
+    /// Width and height in pixels, such as 1280x720. Default 1280x720 in a window, 960x540 on film.
     #[arg(long, global = true, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<UVec2>,
     /// Window: fills the whole screen.
@@ -61,7 +61,7 @@ pub struct Options {
     #[arg(long, global = true, default_value_t = 20.0, value_name = "SECONDS", value_parser = parse_seconds)]
     pub seconds: f32,
     /// Film: pictures per second; a divisor of 60, since the walk itself is always stepped 60 times a second.
-    #[arg(long, global = true, default_value_t = 15, value_name = "FPS", value_parser = parse_fps)]
+    #[arg(long, global = true, default_value_t = 30, value_name = "FPS", value_parser = parse_fps)]
     pub fps: u32,
 }
 

@@ -1,6 +1,6 @@
 //! Materials of ground, course and sky, and their shaders.
 //!
-//! Ground and course extend [`StandardMaterial`], so that lights, shadows, fog and the prepass stay the engine's own.
+//! Ground and course are rough: sun, sky and haze of [`super::sky`] light them, and no other lamp.
 
 use std::path::{Path, PathBuf};
 
@@ -9,44 +9,45 @@ use bevy::{
     color::{LinearRgba, Srgba},
     math::Vec4,
     mesh::MeshVertexBufferLayoutRef,
-    pbr::{ExtendedMaterial, MaterialExtension, MaterialPipeline, MaterialPipelineKey},
+    pbr::{MaterialPipeline, MaterialPipelineKey},
     prelude::*,
     reflect::TypePath,
     render::render_resource::{AsBindGroup, RenderPipelineDescriptor, SpecializedMeshPipelineError},
     shader::ShaderRef,
 };
 
-use super::landscape::{PLAZA, PLAZA_CORNER};
+use super::{
+    landscape::{PLAZA, PLAZA_CORNER},
+    sky::SkyLight,
+};
 
-/// Material of the ground.
-pub type GroundMaterial = ExtendedMaterial<StandardMaterial, GroundLook>;
-/// Material of everything built or scattered.
-pub type CourseMaterial = ExtendedMaterial<StandardMaterial, CourseLook>;
-
-/// Colours that the ground's shader blends by slope, height and the mesh's paint.
+/// Material of the ground: colours that its shader blends by slope, height and the mesh's paint.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Debug)]
-pub struct GroundLook {
+pub struct GroundMaterial {
     /// Grass in the dips.
-    #[uniform(100)]
+    #[uniform(0)]
     pub grass: LinearRgba,
     /// Drier grass on the heights.
-    #[uniform(100)]
+    #[uniform(0)]
     pub dry_grass: LinearRgba,
     /// Paths and bare ground.
-    #[uniform(100)]
+    #[uniform(0)]
     pub dirt: LinearRgba,
     /// Steep banks.
-    #[uniform(100)]
+    #[uniform(0)]
     pub rock: LinearRgba,
     /// Slabs of the plaza.
-    #[uniform(100)]
+    #[uniform(0)]
     pub paving: LinearRgba,
     /// The plaza: half extents along X and Z, corner radius, side of a slab; metres.
-    #[uniform(100)]
+    #[uniform(0)]
     pub plaza: Vec4,
+    /// The sky's light on it.
+    #[uniform(0)]
+    pub sky: SkyLight,
 }
 
-impl Default for GroundLook {
+impl Default for GroundMaterial {
     fn default() -> Self {
         Self {
             grass: Srgba::rgb_u8(0x6B, 0x8A, 0x3F).into(),
@@ -55,40 +56,36 @@ impl Default for GroundLook {
             rock: Srgba::rgb_u8(0x84, 0x7F, 0x77).into(),
             paving: Srgba::rgb_u8(0xA4, 0xA2, 0x9C).into(),
             plaza: PLAZA.extend(PLAZA_CORNER).extend(1.0),
+            sky: SkyLight::default(),
         }
     }
 }
 
-impl MaterialExtension for GroundLook {
+impl Material for GroundMaterial {
     fn fragment_shader() -> ShaderRef {
-        "embedded://surefoot/shaders/terrain.wgsl".into()
-    }
-
-    fn deferred_fragment_shader() -> ShaderRef {
         "embedded://surefoot/shaders/terrain.wgsl".into()
     }
 }
 
-/// The look of built things: the mesh's colours with a little grain, darker where they see less sky.
+/// Material of everything built or scattered: the mesh's colours with a little grain, darker where they see less sky.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Debug)]
-pub struct CourseLook {
+pub struct CourseMaterial {
     /// How much the grain lightens and darkens, 0..=1. Default 0.16.
-    #[uniform(100)]
+    #[uniform(0)]
     pub grain: f32,
+    /// The sky's light on it.
+    #[uniform(0)]
+    pub sky: SkyLight,
 }
 
-impl Default for CourseLook {
+impl Default for CourseMaterial {
     fn default() -> Self {
-        Self { grain: 0.16 }
+        Self { grain: 0.16, sky: SkyLight::default() }
     }
 }
 
-impl MaterialExtension for CourseLook {
+impl Material for CourseMaterial {
     fn fragment_shader() -> ShaderRef {
-        "embedded://surefoot/shaders/course.wgsl".into()
-    }
-
-    fn deferred_fragment_shader() -> ShaderRef {
         "embedded://surefoot/shaders/course.wgsl".into()
     }
 }
@@ -138,7 +135,7 @@ impl Material for SkyMaterial {
 /// Keeps shader modules that are only imported.
 #[derive(Resource)]
 struct ImportedShaders {
-    _noise: Handle<Shader>,
+    _modules: [Handle<Shader>; 2],
 }
 
 /// Puts the shaders of `shaders/` into the binary.
@@ -148,10 +145,12 @@ pub(super) fn embed_shaders(app: &mut App) {
         let path = Path::new("surefoot/shaders").join(name);
         registry.insert_asset(PathBuf::from("shaders").join(name), &path, bytes);
     };
+    embed("light.wgsl", include_bytes!("../../shaders/light.wgsl"));
     embed("noise.wgsl", include_bytes!("../../shaders/noise.wgsl"));
     embed("terrain.wgsl", include_bytes!("../../shaders/terrain.wgsl"));
     embed("course.wgsl", include_bytes!("../../shaders/course.wgsl"));
     embed("sky.wgsl", include_bytes!("../../shaders/sky.wgsl"));
-    let noise = app.world().resource::<AssetServer>().load("embedded://surefoot/shaders/noise.wgsl");
-    app.insert_resource(ImportedShaders { _noise: noise });
+    let assets = app.world().resource::<AssetServer>();
+    let modules = ["light", "noise"].map(|name| assets.load(format!("embedded://surefoot/shaders/{name}.wgsl")));
+    app.insert_resource(ImportedShaders { _modules: modules });
 }

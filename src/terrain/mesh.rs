@@ -1,7 +1,7 @@
 //! The ground's meshes: square chunks of a [`Heightfield`] in several levels of detail.
 //!
 //! World space. Fine chunks show exactly the collider's triangles. Skirts hang from every chunk's border, so that no sky shows
-//! between chunks of different levels. The vertex colour holds what [`super::material::GroundLook`] blends: red path, green bare
+//! between chunks of different levels. The vertex colour holds what [`super::material::GroundMaterial`] blends: red path, green bare
 //! ground, blue shade under obstacles, alpha broad patches.
 
 use bevy::{

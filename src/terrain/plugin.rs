@@ -113,8 +113,7 @@ fn dress_pieces(
     mut materials: ResMut<Assets<CourseMaterial>>,
     pieces: Query<(Entity, &Piece)>,
 ) {
-    let base = StandardMaterial { perceptual_roughness: 0.85, reflectance: 0.3, ..default() };
-    let material = materials.add(CourseMaterial { base, extension: default() });
+    let material = materials.add(CourseMaterial::default());
     let mut made: Vec<(Shape, Tint, Handle<Mesh>)> = Vec::new();
     for (entity, piece) in &pieces {
         let known = made.iter().find(|(shape, tint, _)| *tint == piece.tint && *shape == piece.shape);
@@ -136,8 +135,7 @@ fn paint_ground(
     pieces: Query<&Piece>,
     ground: Single<Entity, With<Ground>>,
 ) {
-    let base = StandardMaterial { perceptual_roughness: 0.95, reflectance: 0.15, ..default() };
-    let material = materials.add(GroundMaterial { base, extension: default() });
+    let material = materials.add(GroundMaterial::default());
     let shade = Shade::of(pieces, &field);
     let paint = |x: f32, z: f32| Paint { cover: land.0.cover(x, z), shade: shade.at(x, z), patch: land.0.patch(x, z) };
     for (stride, from, to) in LEVELS {

@@ -16,7 +16,7 @@ use bevy::{
     math::Vec3,
     pbr::{DistanceFog, FogFalloff},
     prelude::*,
-    render::renderer::RenderAdapterInfo,
+    render::{render_resource::ShaderType, renderer::RenderAdapterInfo},
 };
 use wgpu::DeviceType;
 
@@ -32,6 +32,10 @@ const VISIBILITY: f32 = 330.0;
 const SUN: f32 = 10_500.0;
 /// Light of the sky in cd/m² for a white sky.
 const SKY: f32 = 1_150.0;
+/// Colours of what shines on a thing from above, from around and from the ground below.
+const ABOVE: Srgba = Srgba::rgb(0.612, 0.765, 0.918);
+const AROUND: Srgba = Srgba::rgb(0.847, 0.878, 0.878);
+const BELOW: Srgba = Srgba::rgb(0.549, 0.525, 0.408);
 
 /// Direction in which the sun shines: from the south-west, 42° high, so that the walk north shows lit and shaded sides.
 #[must_use]
@@ -55,6 +59,24 @@ fn haze() -> DistanceFog {
         color: horizon().into(),
         falloff: FogFalloff::from_visibility_squared(VISIBILITY),
         ..Default::default()
+    }
+}
+
+/// The sky's light as shaders of rough matter want it: cd/m² from above, from around and from below.
+#[derive(ShaderType, Clone, Copy, Debug)]
+pub struct SkyLight {
+    /// On what looks up.
+    pub above: LinearRgba,
+    /// On what looks aside.
+    pub around: LinearRgba,
+    /// On what looks down.
+    pub below: LinearRgba,
+}
+
+impl Default for SkyLight {
+    fn default() -> Self {
+        let [above, around, below] = [ABOVE, AROUND, BELOW].map(|color| LinearRgba::from(color) * SKY);
+        Self { above, around, below }
     }
 }
 
@@ -122,13 +144,7 @@ fn light_view(
         commands.entity(added.entity).insert((DepthPrepass, ShadowFilteringMethod::Hardware2x2));
     }
     let Some(mut images) = images else { return };
-    let ground = LinearRgba::from(Srgba::rgb_u8(0x8C, 0x86, 0x68));
-    let light = EnvironmentMapLight::hemispherical_gradient(
-        &mut images,
-        Srgba::rgb_u8(0x9C, 0xC3, 0xEA),
-        Srgba::rgb_u8(0xD8, 0xE0, 0xE0),
-        ground,
-    );
+    let light = EnvironmentMapLight::hemispherical_gradient(&mut images, ABOVE, AROUND, BELOW);
     commands.entity(added.entity).insert(EnvironmentMapLight {
         intensity: SKY,
         rotation: Quat::from_rotation_y(FRAC_PI_4),

@@ -38,8 +38,8 @@ use super::{
 use frames::FrameWriter;
 use sheet::ContactSheet;
 
-/// Width and height of a picture, pixels: two cores without a GPU draw one of these in about a second.
-const SIZE: UVec2 = UVec2::new(640, 360);
+/// Width and height of a picture, pixels: two cores without a GPU draw three of these in about a second.
+const SIZE: UVec2 = UVec2::new(960, 540);
 /// Updates within which a picture must have come back from the renderer.
 const PATIENCE: u32 = 100;
 /// Seconds of wall time within which the assets must be there.
@@ -204,7 +204,7 @@ fn develop(app: &mut App, writer: &FrameWriter, sheet: &mut ContactSheet, captio
     let count = pictures.len();
     for (frame, picture) in pictures {
         if sheet.wants(frame) {
-            sheet.add(frame, &picture, captions[frame].clone());
+            sheet.add(frame, picture.clone(), captions[frame].clone());
         }
         writer.write(frame, picture);
     }

@@ -1,7 +1,7 @@
 //! The contact sheet: small copies of some pictures of a film side by side, each with a caption. Pure; pixels, +Y down.
 
 use image::{
-    Rgb, RgbImage,
+    DynamicImage, Rgb, RgbImage,
     imageops::{self, FilterType},
 };
 
@@ -44,9 +44,10 @@ impl ContactSheet {
     }
 
     /// Adds a small copy of picture number `frame`. Order does not matter.
-    pub fn add(&mut self, frame: usize, picture: &RgbImage, caption: String) {
+    pub fn add(&mut self, frame: usize, picture: RgbImage, caption: String) {
         let height = (TILE_WIDTH * picture.height() / picture.width().max(1)).max(1);
-        self.tiles.push((frame, imageops::resize(picture, TILE_WIDTH, height, FilterType::Triangle), caption));
+        let tile = DynamicImage::from(picture).resize_exact(TILE_WIDTH, height, FilterType::Triangle);
+        self.tiles.push((frame, tile.into_rgb8(), caption));
     }
 
     /// The sheet as one picture; `None` if nothing was added.
@@ -94,7 +95,7 @@ mod tests {
     fn pictures_lie_in_order_whatever_order_they_came_in() {
         let mut sheet = ContactSheet::new(2);
         for (frame, shade) in [(1, 200), (0, 100)] {
-            sheet.add(frame, &RgbImage::from_pixel(96, 54, Rgb([shade; 3])), format!("{frame} s"));
+            sheet.add(frame, RgbImage::from_pixel(96, 54, Rgb([shade; 3])), format!("{frame} s"));
         }
         let sheet = sheet.compose().unwrap();
         assert_eq!(sheet.dimensions(), (2 * (480 + GAP) + GAP, 270 + CAPTION + 2 * GAP));

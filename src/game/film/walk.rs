@@ -39,7 +39,7 @@ fn begin(
     commands.entity(hero.entity).insert((OnRoute(Route::new(root.translation, legs)), Recorder::default()));
     commands.spawn((
         SkyView,
-        // Drawing by software: smooth edges would double the time of a picture.
+        // Drawing by software: smooth edges would take three times as long.
         Msaa::Off,
         ShadowFilteringMethod::Hardware2x2,
         target(&canvas),
