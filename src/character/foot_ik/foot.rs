@@ -105,6 +105,8 @@ pub struct FootState {
     pub(super) base: f32,
     /// Metres by which a planted foot still is over its ground.
     over: f32,
+    /// Metres from where the clip wanted it to where it found room, when it came down.
+    aside: f32,
     /// Where the ball was placed last, world.
     pub(super) placed_ball: Vec3,
     /// Horizontal metres from there to heel and tip.
@@ -191,7 +193,7 @@ impl FootState {
                     self.begin_step(Release::TooFar, foot, around);
                 } else if turned > patience * config.unplant_yaw {
                     self.begin_step(Release::Turned, foot, around);
-                } else if around.may_restep && (error > config.restep_distance || turned > RESTEP_YAW) {
+                } else if around.may_restep && (error > config.restep_distance + self.aside || turned > RESTEP_YAW) {
                     self.begin_step(Release::Restep, foot, around);
                 }
             }
@@ -240,6 +242,7 @@ impl FootState {
 
     /// Takes hold of the ground where the foot is now.
     fn lock<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
+        self.aside = flat(self.placed_ball - foot.ball).length();
         let heel_first = foot.heel.y < foot.ball.y - 0.004 && self.flatten.value < 0.5;
         self.plant_at(if heel_first { Pivot::Heel } else { Pivot::Ball }, foot, around);
     }
