@@ -1,7 +1,7 @@
 //! Characters whose feet stay where they land.
 //!
 //! Layers, bottom to top; a file imports lower layers, or earlier stages of its own:
-//! [`math`] → [`anim`] → [`rig`] → [`character`] → `skinning` → [`measure`] → [`testing`] → `terrain`, `camera` → `game`.
+//! [`math`] → [`anim`] → [`rig`] → [`character`] → `skinning`, [`measure`], `debug` → [`testing`] → `terrain`, `camera` → `game`.
 //!
 //! Model space everywhere: metres, +Y up, the character faces -Z.
 
@@ -14,6 +14,8 @@ pub mod testing;
 
 #[cfg(feature = "game")]
 pub mod camera;
+#[cfg(feature = "render")]
+pub mod debug;
 #[cfg(feature = "game")]
 pub mod game;
 #[cfg(feature = "render")]

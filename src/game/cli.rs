@@ -45,7 +45,7 @@ pub struct Options {
     /// Seed of the hills; another number, other hills.
     #[arg(long, global = true, default_value_t = 7, allow_negative_numbers = true, value_name = "NUMBER")]
     pub seed: i32,
-    /// Writes what the character does to FILE, ten lines of JSON a second: time, position, velocity, grounded.
+    /// Writes what the character does to FILE, ten lines of JSON a second.
     #[arg(long, global = true, value_name = "FILE")]
     pub telemetry: Option<PathBuf>,
     /// Width and height in pixels, such as 1280x720. Default 1280x720 in a window, 960x540 on film.

@@ -1,24 +1,29 @@
-//! The view for debugging (F3): how the hero stands on the ground, drawn over the picture. World space.
+//! The view for debugging (F3): how the hero stands and places its feet, drawn over the picture. World space.
 
 use bevy::prelude::*;
 
 use bevy_enhanced_input::prelude::Start;
 
 use super::{level::Hero, shell::ToggleFeet};
-use crate::character::motion::MotionState;
+use crate::{
+    character::motion::MotionState,
+    debug::{FootDebugPlugin, FootGizmos},
+};
 
 /// Whether the view is shown.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct DebugView(pub(super) bool);
 
 pub(super) fn plugin(app: &mut App) {
-    app.init_resource::<DebugView>()
+    app.add_plugins(FootDebugPlugin)
+        .init_resource::<DebugView>()
         .add_observer(toggle)
         .add_systems(Update, draw_ground.run_if(resource_equals(DebugView(true))));
 }
 
-fn toggle(_: On<Start<ToggleFeet>>, mut view: ResMut<DebugView>) {
+fn toggle(_: On<Start<ToggleFeet>>, mut view: ResMut<DebugView>, mut gizmos: ResMut<GizmoConfigStore>) {
     view.0 = !view.0;
+    gizmos.config_mut::<FootGizmos>().0.enabled = view.0;
 }
 
 /// The ground under the root with its normal, and the velocity.

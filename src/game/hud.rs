@@ -8,7 +8,10 @@ use bevy::{
 use bevy_enhanced_input::prelude::Start;
 
 use super::{debug::DebugView, level::Hero, shell::ToggleHelp};
-use crate::character::{locomotion::Locomotion, motion::MotionState};
+use crate::{
+    character::{locomotion::Locomotion, motion::MotionState},
+    debug::LEGEND,
+};
 
 /// The line of controls.
 const CONTROLS: &str = "WASD walk   Shift run   Space jump   C crouch   mouse look   wheel zoom   right button aim   \
@@ -17,13 +20,19 @@ const CONTROLS: &str = "WASD walk   Shift run   Space jump   C crouch   mouse lo
 const TEXT_SIZE: f32 = 13.0;
 /// Distance of texts from the edges of the window, pixels.
 const MARGIN: f32 = 12.0;
+/// Most of the window's width that the line of controls takes, percent.
+const WIDEST: f32 = 96.0;
 /// Ink, and the shade below it that keeps it readable over snow and shadow alike.
 const INK: Color = Color::srgb(0.95, 0.96, 0.98);
-const SHADE: Color = Color::srgba(0.0, 0.0, 0.0, 0.45);
+const SHADE: Color = Color::srgba(0.0, 0.0, 0.0, 0.6);
 
 /// The line of controls at the lower edge.
 #[derive(Component)]
-struct Help;
+pub(super) struct Help;
+
+/// What F3 shows.
+#[derive(Component)]
+struct Details;
 
 /// The readout at the upper left.
 #[derive(Component)]
@@ -33,7 +42,7 @@ pub(super) fn plugin(app: &mut App) {
     app.add_plugins(FrameTimeDiagnosticsPlugin::default())
         .add_systems(Startup, write)
         .add_observer(toggle_help)
-        .add_systems(Update, (show_readout, read_out.run_if(resource_equals(DebugView(true)))));
+        .add_systems(Update, (show_details, read_out.run_if(resource_equals(DebugView(true)))));
 }
 
 fn write(mut commands: Commands) {
@@ -45,17 +54,24 @@ fn write(mut commands: Commands) {
         font.clone(),
         TextColor(INK),
         BackgroundColor(SHADE),
-        Node { left: px(MARGIN), bottom: px(MARGIN), ..panel.clone() },
+        Node { left: px(MARGIN), bottom: px(MARGIN), max_width: percent(WIDEST), ..panel.clone() },
     ));
+    let details = |place| (Details, TextColor(INK), BackgroundColor(SHADE), Visibility::Hidden, place);
     commands.spawn((
         Readout,
         Text::default(),
-        font,
-        TextColor(INK),
-        BackgroundColor(SHADE),
-        Visibility::Hidden,
-        Node { left: px(MARGIN), top: px(MARGIN), ..panel },
+        font.clone(),
+        details(Node { left: px(MARGIN), top: px(MARGIN), ..panel.clone() }),
     ));
+    let entries =
+        LEGEND.map(|(meaning, color)| (TextSpan::new(format!("{meaning}\n")), font.clone(), TextColor(color)));
+    commands
+        .spawn((Text::default(), font.clone(), details(Node { right: px(MARGIN), top: px(MARGIN), ..panel })))
+        .with_children(|legend| {
+            for entry in entries {
+                legend.spawn(entry);
+            }
+        });
 }
 
 fn toggle_help(_: On<Start<ToggleHelp>>, mut help: Query<&mut Visibility, With<Help>>) {
@@ -64,9 +80,9 @@ fn toggle_help(_: On<Start<ToggleHelp>>, mut help: Query<&mut Visibility, With<H
     }
 }
 
-fn show_readout(debug: Res<DebugView>, mut readouts: Query<&mut Visibility, With<Readout>>) {
+fn show_details(debug: Res<DebugView>, mut details: Query<&mut Visibility, With<Details>>) {
     if debug.is_changed() {
-        for mut visibility in &mut readouts {
+        for mut visibility in &mut details {
             *visibility = if debug.0 { Visibility::Inherited } else { Visibility::Hidden };
         }
     }

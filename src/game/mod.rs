@@ -11,6 +11,7 @@ mod level;
 mod look;
 pub mod preflight;
 mod shell;
+mod taps;
 mod telemetry;
 
 use std::{
@@ -98,6 +99,7 @@ fn windowed(options: &Options, assets: &Path) -> App {
         level::plugin,
         input::plugin,
         shell::plugin,
+        taps::plugin,
         look::plugin,
         hud::plugin,
         debug::plugin,

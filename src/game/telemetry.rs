@@ -1,6 +1,6 @@
-//! Writes what the hero does to a file, for scripts and tests: ten lines of JSON a second.
+//! Writes what the hero does and the player sees to a file, for scripts and tests: ten lines of JSON a second.
 //!
-//! Reads the hero's root and [`MotionState`] after each fixed tick. World space, metres, seconds.
+//! Reads hero, camera and HUD after each fixed tick. World space, metres, seconds, radians.
 
 use std::{
     fs::File,
@@ -10,8 +10,12 @@ use std::{
 
 use bevy::prelude::*;
 
-use super::level::Hero;
-use crate::character::motion::MotionState;
+use super::{debug::DebugView, hud::Help, level::Hero};
+use crate::{
+    camera::OrbitCamera,
+    character::{locomotion::Locomotion, motion::MotionState},
+    math::rotation::heading,
+};
 
 /// Seconds between two lines.
 const PERIOD: f32 = 0.1;
@@ -39,20 +43,31 @@ pub(super) fn plugin(app: &mut App) {
 }
 
 fn report(
-    heroes: Query<(&Transform, &MotionState), With<Hero>>,
+    heroes: Query<(&Transform, &MotionState, Option<&Locomotion>), With<Hero>>,
+    cameras: Query<&Transform, With<OrbitCamera>>,
+    help: Query<&Visibility, With<Help>>,
+    feet: Option<Res<DebugView>>,
     mut telemetry: ResMut<Telemetry>,
     time: Res<Time>,
     mut failed: Local<bool>,
 ) {
     telemetry.wait -= time.delta_secs();
-    let Ok((root, motion)) = heroes.single() else { return };
+    let Ok((root, motion, locomotion)) = heroes.single() else { return };
     if telemetry.wait > 0.0 {
         return;
     }
     telemetry.wait += PERIOD;
-    let line = line(time.elapsed_secs(), root.translation, motion);
+    let moment = Moment {
+        seconds: time.elapsed_secs(),
+        root,
+        motion,
+        state: locomotion.map_or("", Locomotion::state),
+        camera: cameras.iter().next().map_or(Vec3::NAN, |camera| camera.translation),
+        help: help.iter().any(|help| *help != Visibility::Hidden),
+        feet: feet.is_some_and(|feet| feet.0),
+    };
     // Flushed line by line, so that a reader sees it while the game runs.
-    let written = writeln!(telemetry.sink, "{line}").and_then(|()| telemetry.sink.flush());
+    let written = writeln!(telemetry.sink, "{}", moment.line()).and_then(|()| telemetry.sink.flush());
     if let Err(error) = written
         && !std::mem::replace(&mut *failed, true)
     {
@@ -60,15 +75,34 @@ fn report(
     }
 }
 
-fn line(seconds: f32, position: Vec3, motion: &MotionState) -> String {
-    let vector = |vector: Vec3| format!("[{}, {}, {}]", number(vector.x), number(vector.y), number(vector.z));
-    format!(
-        r#"{{"time": {}, "position": {}, "velocity": {}, "grounded": {}}}"#,
-        number(seconds),
-        vector(position),
-        vector(motion.velocity),
-        motion.ground.is_some(),
-    )
+/// What one line says.
+struct Moment<'a> {
+    seconds: f32,
+    root: &'a Transform,
+    motion: &'a MotionState,
+    state: &'a str,
+    camera: Vec3,
+    help: bool,
+    feet: bool,
+}
+
+impl Moment<'_> {
+    fn line(&self) -> String {
+        let vector = |vector: Vec3| format!("[{}, {}, {}]", number(vector.x), number(vector.y), number(vector.z));
+        format!(
+            r#"{{"time": {}, "position": {}, "velocity": {}, "heading": {}, "grounded": {}, "crouched": {}, "state": "{}", "camera": {}, "help": {}, "feet": {}}}"#,
+            number(self.seconds),
+            vector(self.root.translation),
+            vector(self.motion.velocity),
+            number(heading(*self.root.forward())),
+            self.motion.ground.is_some(),
+            self.motion.crouched,
+            self.state,
+            vector(self.camera),
+            self.help,
+            self.feet,
+        )
+    }
 }
 
 /// A number as JSON knows it, to a tenth of a millimetre.
@@ -83,9 +117,12 @@ mod tests {
     #[test]
     fn a_line_is_json_even_of_values_that_are_no_numbers() {
         let motion = MotionState { velocity: Vec3::new(0.0, f32::NAN, 1.5), ..default() };
+        let root = Transform::from_xyz(1.0, 2.0, -3.0);
+        let (state, camera) = ("walk", Vec3::new(0.0, 1.5, 4.0));
+        let moment = Moment { seconds: 0.25, root: &root, motion: &motion, state, camera, help: true, feet: false };
         assert_eq!(
-            line(0.25, Vec3::new(1.0, 2.0, -3.0), &motion),
-            r#"{"time": 0.2500, "position": [1.0000, 2.0000, -3.0000], "velocity": [0.0000, null, 1.5000], "grounded": false}"#
+            moment.line(),
+            r#"{"time": 0.2500, "position": [1.0000, 2.0000, -3.0000], "velocity": [0.0000, null, 1.5000], "heading": 0.0000, "grounded": false, "crouched": false, "state": "walk", "camera": [0.0000, 1.5000, 4.0000], "help": true, "feet": false}"#
         );
     }
 }

@@ -133,7 +133,8 @@ fn spawn_sky(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut skies
 }
 
 /// Gives a new [`SkyView`] the sky's light: blue from above, warm from the ground. Where the processor draws, it also gets what
-/// spares it work: a depth prepass, so that hidden ground is not lit, and shadows of one sample.
+/// spares it work: a depth prepass, so that hidden ground is not lit, and shadows and edges of one sample. Soft edges alone would
+/// take three times as long.
 fn light_view(
     added: On<Add, SkyView>,
     mut commands: Commands,
@@ -141,7 +142,7 @@ fn light_view(
     adapter: Option<Res<RenderAdapterInfo>>,
 ) {
     if adapter.is_some_and(|adapter| adapter.device_type == DeviceType::Cpu) {
-        commands.entity(added.entity).insert((DepthPrepass, ShadowFilteringMethod::Hardware2x2));
+        commands.entity(added.entity).insert((DepthPrepass, ShadowFilteringMethod::Hardware2x2, Msaa::Off));
     }
     let Some(mut images) = images else { return };
     let light = EnvironmentMapLight::hemispherical_gradient(&mut images, ABOVE, AROUND, BELOW);

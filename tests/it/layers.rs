@@ -15,6 +15,7 @@ const HEIGHTS: &[(&str, u32)] = &[
     ("character", 3),
     ("skinning", 3),
     ("measure", 3),
+    ("debug", 3),
     ("plugins", 4),
     ("testing", 5),
     ("terrain", 5),
@@ -22,8 +23,8 @@ const HEIGHTS: &[(&str, u32)] = &[
     ("game", 6),
 ];
 
-/// Arrows between layers of one height: skinning and the measures read what characters produce.
-const SAME_HEIGHT: &[(&str, &str)] = &[("skinning", "character"), ("measure", "character")];
+/// Arrows between layers of one height: skinning, the measures and the debug views read what characters produce.
+const SAME_HEIGHT: &[(&str, &str)] = &[("skinning", "character"), ("measure", "character"), ("debug", "character")];
 
 /// Layers that work in any game, whatever walks in it.
 const STRANGERS_TO_CHARACTERS: &[&str] = &["terrain", "camera"];

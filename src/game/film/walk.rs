@@ -1,6 +1,6 @@
 //! What is filmed: the hero on the scripted walk over the course, by a camera that shows all of it, feet above all.
 
-use bevy::{light::ShadowFilteringMethod, math::Vec3Swizzles, prelude::*};
+use bevy::{math::Vec3Swizzles, prelude::*};
 
 use super::{
     operator::{self, Operator},
@@ -37,14 +37,7 @@ fn begin(
     let legs = route.windows(2).map(|pair| Leg { to: pair[1].position.xz(), speed: pair[0].speed }).collect();
     let root = roots.get(hero.entity).copied().unwrap_or_default();
     commands.entity(hero.entity).insert((OnRoute(Route::new(root.translation, legs)), Recorder::default()));
-    commands.spawn((
-        SkyView,
-        // Drawing by software: smooth edges would take three times as long.
-        Msaa::Off,
-        ShadowFilteringMethod::Hardware2x2,
-        target(&canvas),
-        Operator::default(),
-    ));
+    commands.spawn((SkyView, target(&canvas), Operator::default()));
 }
 
 fn lead(mut heroes: Query<(&Transform, &mut OnRoute, &mut MoveIntent)>, time: Res<Time>) {

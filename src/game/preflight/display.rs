@@ -23,14 +23,21 @@ pub fn check() -> Result<(), Missing> {
     if !is_set("DISPLAY") {
         return Err(Missing::Xwayland);
     }
-    match x11rb::connect(None) {
-        Ok(_) => Ok(()),
-        Err(error) => Err(Missing::Server {
-            display: env::var("DISPLAY").unwrap_or_default(),
-            reason: one_line(&error.to_string()),
-        }),
-    }
+    let connect = || x11rb::connect(None).map(|_| ());
+    // A server without any window yet starts anew whenever its last program leaves, and is away for a moment.
+    let answer = connect().or_else(|_| {
+        std::thread::sleep(PATIENCE);
+        connect()
+    });
+    answer.map_err(|error| Missing::Server {
+        display: env::var("DISPLAY").unwrap_or_default(),
+        reason: one_line(&error.to_string()),
+    })
 }
+
+/// Wait before an X server is asked once more.
+#[cfg(target_os = "linux")]
+const PATIENCE: std::time::Duration = std::time::Duration::from_millis(500);
 
 /// Finds out if the display answers; here it always does.
 ///

@@ -1,0 +1,7 @@
+//! Layer 3: shows what characters do, for the eyes of who tunes them. Reads their components; changes nothing.
+
+pub mod feet;
+mod words;
+
+pub use feet::{FootDebugPlugin, FootGizmos, LEGEND};
+pub use words::{describe, reason};
