@@ -60,6 +60,10 @@ pub struct Options {
     /// Film: length of the walk in seconds.
     #[arg(long, global = true, default_value_t = 20.0, value_name = "SECONDS", value_parser = parse_seconds)]
     pub seconds: f32,
+    /// Film: instead of the walk a scene on flat ground that shows one state of locomotion, as one sheet of pictures; `all`
+    /// films every scene, an unknown name lists them.
+    #[arg(long, global = true, value_name = "NAME")]
+    pub scene: Option<String>,
     /// Film: pictures per second; a divisor of 60, since the walk itself is always stepped 60 times a second.
     #[arg(long, global = true, default_value_t = 30, value_name = "FPS", value_parser = parse_fps)]
     pub fps: u32,

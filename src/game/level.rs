@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// The hero's file.
-const HERO: &str = "mannequin.character.ron";
+pub(super) const HERO: &str = "mannequin.character.ron";
 /// Metres below the lowest ground at which a fall ends.
 const FALL: f32 = 15.0;
 
@@ -61,7 +61,7 @@ fn spawn_hero(mut commands: Commands, field: Res<Heightfield>, assets: Res<Asset
     commands.spawn((Name::new("hero"), Hero, Character(assets.load(HERO)), start));
 }
 
-fn watch_loading(
+pub(super) fn watch_loading(
     mut loading: ResMut<Loading>,
     heroes: Query<(&Character, Option<&ModelStatus>), With<Hero>>,
     assets: Res<AssetServer>,

@@ -55,6 +55,7 @@ fn help_explains_every_flag_and_the_controls() {
         "--seed",
         "--telemetry",
         "--fullscreen",
+        "--scene",
         "WASD",
         "F3",
     ] {
@@ -92,6 +93,21 @@ fn a_display_that_does_not_answer_is_told_in_one_line() {
     assert_eq!(lines.len(), 1, "not one line: {all}");
     assert!(lines[0].contains("DISPLAY=:4093"), "does not name the display: {all}");
     assert!(!all.contains("panicked"), "{all}");
+}
+
+#[test]
+fn a_scene_is_one_sheet_and_an_unknown_one_is_told_which_there_are() {
+    let folder = Folder::new("scene");
+    let film = |scene: &str| {
+        surefoot().args(["film", "--scene", scene, "--size", "96x72", "--out"]).arg(&folder.0).output().unwrap()
+    };
+    let output = film("idle");
+    assert!(output.status.success(), "exit {:?}: {}", output.status.code(), text(&output.stderr));
+    let sheet = image::open(folder.0.join("idle.png")).unwrap();
+    assert!(sheet.width() > 4 * 400 && sheet.height() > 300, "the sheet is {}x{}", sheet.width(), sheet.height());
+    let lines = own_lines(&film("idel"));
+    assert_eq!(lines.len(), 1, "{lines:?}");
+    assert!(lines[0].contains("no scene is called `idel`; there are idle, walk, run"), "{}", lines[0]);
 }
 
 #[test]

@@ -6,8 +6,10 @@ pub mod frames;
 pub mod lettering;
 mod operator;
 pub mod route;
+pub mod scenes;
 pub mod sheet;
 pub mod shots;
+mod stage;
 pub mod table;
 mod walk;
 
@@ -61,6 +63,9 @@ pub enum FilmError {
     /// A thread that writes pictures ended early.
     #[error("writing the pictures stopped half-way")]
     Writer,
+    /// No scene has this name.
+    #[error("no scene is called {0}")]
+    Scene(String),
     /// The character could not be loaded.
     #[error("the level did not load: {0}")]
     Loading(String),
@@ -92,6 +97,9 @@ struct Developed(Vec<(usize, RgbImage)>);
 /// # Errors
 /// [`FilmError`]: nothing loaded, or nothing could be written.
 pub fn run(options: &Options, assets: &Path) -> Result<(), FilmError> {
+    if let Some(scene) = &options.scene {
+        return stage::run(scene, options, assets);
+    }
     let began = Instant::now();
     let writer = FrameWriter::start(&options.out)?;
     let mut app = studio(options, assets);
