@@ -1,5 +1,6 @@
 //! The real game in a real window on a virtual display, steered by real key presses.
 
+use bevy::math::ops;
 use std::{
     f32::consts::TAU,
     fs,
@@ -116,7 +117,7 @@ fn level_distance(from: &Moment, to: &Moment) -> f32 {
 /// From where the camera sees the hero: radians about +Y, and metres.
 fn view(moment: &Moment) -> (f32, f32) {
     let [x, y, z] = [0, 1, 2].map(|axis| moment.camera[axis] - moment.position[axis]);
-    (x.atan2(z), (x * x + y * y + z * z).sqrt())
+    (ops::atan2(x, z), (x * x + y * y + z * z).sqrt())
 }
 
 /// Radians from one heading to another, 0 to π.

@@ -122,12 +122,12 @@ fn film(app: &mut App, scene: Scene, file: &Path) -> Result<(), FilmError> {
     if let Some(recorder) = app.world().get::<Recorder>(actor) {
         let measures = summarize(&recorder.frames);
         println!(
-            "{:<18} drift {:5.1} mm  sinks {:4.1} mm  joints {:5.0} deg/s  jolt {:4.1} m/s  leg {:.3}",
+            "{:<18} drift {:5.1} mm  sinks {:4.1} mm  pops {:4.1} / {:4.1} of clips  leg {:.3}",
             scene.name,
             measures.drift_max,
             measures.penetration_max,
-            measures.joint_speed_max,
-            measures.velocity_jump_max,
+            measures.pop_speed,
+            measures.pop_jump,
             measures.extension_max,
         );
     }
@@ -141,10 +141,11 @@ fn film(app: &mut App, scene: Scene, file: &Path) -> Result<(), FilmError> {
 /// Puts finished pictures on the sheet; returns how many.
 fn keep(app: &mut App, sheet: &mut ContactSheet, captions: &[String]) -> usize {
     let pictures = std::mem::take(&mut app.world_mut().resource_mut::<Developed>().0);
-    for (picture, image) in &pictures {
-        sheet.add(*picture, image, captions[*picture].clone());
+    let count = pictures.len();
+    for (picture, image) in pictures {
+        sheet.add(picture, image, captions[picture].clone());
     }
-    pictures.len()
+    count
 }
 
 fn act(mut now: ResMut<Now>, mut actors: Query<&mut MoveIntent, With<Hero>>, time: Res<Time>) {
