@@ -16,7 +16,7 @@ const TILT_COST: f32 = 0.5;
 /// Times that neighbouring moments are blended, so that steps become a move.
 const BLENDS: usize = 5;
 /// Moments before and after for which a view must be good too, since blending leads past it.
-const MARGIN: usize = 2;
+const MARGIN: usize = BLENDS;
 
 /// From where the camera looks: as an orbit's yaw and pitch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
