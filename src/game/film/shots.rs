@@ -14,7 +14,7 @@ const MOST_TURN: i32 = 2;
 const TURN_COST: f32 = 0.12;
 const TILT_COST: f32 = 0.5;
 /// Times that neighbouring moments are blended, so that steps become a move.
-const BLENDS: usize = 5;
+const BLENDS: usize = 4;
 /// Moments before and after for which a view must be good too, since blending leads past it.
 const MARGIN: usize = BLENDS;
 
