@@ -9,6 +9,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use bevy::math::ops;
+
 /// Seconds within which the window must be there and the hero on its feet; software drawing on two busy cores is slow.
 const START: Duration = Duration::from_secs(120);
 /// Seconds within which a held key must have moved the hero.
@@ -116,7 +118,7 @@ fn level_distance(from: &Moment, to: &Moment) -> f32 {
 /// From where the camera sees the hero: radians about +Y, and metres.
 fn view(moment: &Moment) -> (f32, f32) {
     let [x, y, z] = [0, 1, 2].map(|axis| moment.camera[axis] - moment.position[axis]);
-    (x.atan2(z), (x * x + y * y + z * z).sqrt())
+    (ops::atan2(x, z), (x * x + y * y + z * z).sqrt())
 }
 
 /// Radians from one heading to another, 0 to π.
