@@ -30,8 +30,8 @@ use surefoot::{
     terrain::{Heightfield, Piece, SkyPlugin, SkyView, course, material::CourseMaterial, palette::Tint, shape::Shape},
 };
 
-/// Metres from the middle to each of the two courses along X: far enough that none is seen from the other.
-const APART: f32 = 300.0;
+/// Metres that the second course lies below the first, which hides it.
+const APART: f32 = 200.0;
 /// Where the walk begins, and the line at which it turns round, along Z; metres.
 const START: f32 = 13.2;
 const END: f32 = -3.0;
@@ -86,9 +86,8 @@ fn build(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
     pieces.push(Piece { shape: ground, tint: Tint::DarkConcrete, position: Vec3::NEG_Y, ..pieces[0].clone() });
     for piece in &pieces {
         let mesh = meshes.add(piece.shape.facets(piece.tint).mesh());
-        for side in [-1.0, 1.0] {
-            let place =
-                Transform::from_translation(piece.position + Vec3::X * side * APART).with_rotation(piece.rotation);
+        for side in 0..2 {
+            let place = Transform::from_translation(piece.position + origin(side)).with_rotation(piece.rotation);
             let look = (Mesh3d(mesh.clone()), MeshMaterial3d(material.clone()));
             commands.spawn((RigidBody::Static, piece.shape.collider(), look, place));
         }
@@ -107,22 +106,22 @@ fn enter(
     let Some(mut without) = assets.get(&*hero).cloned().filter(|_| walkers.is_empty()) else { return };
     without.file.foot_ik.enabled = false;
     for (side, file) in [assets.add(without), hero.clone()].into_iter().enumerate() {
-        commands.spawn((Side(side), Character(file), Transform::from_xyz(middle(side), 0.0, START)));
+        commands.spawn((Side(side), Character(file), Transform::from_translation(origin(side) + Vec3::Z * START)));
     }
 }
 
-fn middle(side: usize) -> f32 {
-    if side == 0 { -APART } else { APART }
+fn origin(side: usize) -> Vec3 {
+    Vec3::NEG_Y * (APART * side as f32)
 }
 
 /// To the end, and from the start again.
-fn walk(mut walkers: Query<(&Side, &mut Transform, &mut MoveIntent)>) {
-    for (side, mut root, mut intent) in &mut walkers {
+fn walk(mut walkers: Query<(&mut Transform, &mut MoveIntent)>) {
+    for (mut root, mut intent) in &mut walkers {
         if root.translation.z < END {
-            *root = Transform::from_xyz(middle(side.0), 0.0, START);
+            root.translation.z = START;
         }
-        let back = Vec3::X * (middle(side.0) - root.translation.x);
-        intent.velocity = (Vec3::NEG_Z + back).normalize_or_zero() * SPEED;
+        // Pushed aside, it comes back to the middle.
+        intent.velocity = (Vec3::NEG_Z - Vec3::X * root.translation.x).normalize_or_zero() * SPEED;
     }
 }
 
