@@ -25,7 +25,7 @@ const AIR: Color = Color::srgb(0.3, 0.65, 1.0);
 const STEP: Color = Color::srgb(0.75, 0.5, 1.0);
 const LANDING: Color = Color::srgb(1.0, 0.3, 0.75);
 const ANKLE: Color = Color::srgb(1.0, 0.9, 0.15);
-const MISSED: Color = Color::srgb(1.0, 0.1, 0.1);
+const MISSED: Color = Color::srgb(1.0, 0.3, 0.25);
 const PELVIS: Color = Color::srgb(0.1, 0.9, 0.9);
 const SHADE: Color = Color::srgba(0.0, 0.0, 0.0, 0.7);
 
@@ -47,10 +47,10 @@ const HALF_WIDTHS: [f32; 3] = [0.032, 0.048, 0.03];
 /// Metres by which an ankle may miss its place without being marked.
 const NEAR: f32 = 0.002;
 /// Height of letters, as a part of their distance from the camera.
-const LETTERS: f32 = 0.022;
+const LETTERS: f32 = 0.026;
 /// Width of lines and of letters' strokes, pixels.
 const LINES: f32 = 2.5;
-const STROKES: f32 = 1.5;
+const STROKES: f32 = 2.0;
 
 /// The lines of the feet. Off at first; [`GizmoConfigStore`] holds what to change:
 /// `store.config_mut::<FootGizmos>().0.enabled = true`.
@@ -91,11 +91,10 @@ fn draw(
     gizmos: Gizmos<FootGizmos>,
     words: Gizmos<FootWords>,
 ) {
-    let eye = cameras.iter().find(|(camera, _)| camera.is_active);
-    let eye = eye.map_or(Transform::IDENTITY, |(_, eye)| eye.compute_transform());
-    let mut pen = Pen { gizmos, words, eye };
+    let mut pen = Pen { gizmos, words, eye: Transform::IDENTITY };
     for (character, root, filter, pose, ik) in &characters {
-        let Some(asset) = assets.get(character) else { continue };
+        let Some(asset) = assets.get(character).filter(|_| ik.placed[0].is_some()) else { continue };
+        pen.eye = nearest_eye(&cameras, root.translation);
         let probe = PhysicsProbe::new(&spatial, &sensors, filter);
         for side in 0..2 {
             let Some(placed) = ik.placed[side] else { continue };
@@ -114,6 +113,13 @@ fn draw(
         }
         pen.pelvis(root.transform_point(pose.pose.position(asset.hips)), root.rotation, ik.pelvis.offset());
     }
+}
+
+/// The camera that sees a character best.
+fn nearest_eye(cameras: &Query<(&Camera, &GlobalTransform), With<Camera3d>>, place: Vec3) -> Transform {
+    let away = |eye: &GlobalTransform| eye.translation().distance_squared(place);
+    let eyes = cameras.iter().filter(|(camera, _)| camera.is_active).map(|(_, eye)| eye);
+    eyes.min_by(|a, b| away(a).total_cmp(&away(b))).map_or(Transform::IDENTITY, GlobalTransform::compute_transform)
 }
 
 fn color_of(mode: &Mode) -> Color {

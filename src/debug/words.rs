@@ -7,10 +7,10 @@ use crate::character::foot_ik::{FootState, Mode, Pivot, PlacedFoot, Release};
 pub fn reason(release: Release) -> &'static str {
     match release {
         Release::Never => "never let go",
-        Release::ContactEnded => "let go: the clip lifts it",
+        Release::ContactEnded => "let go: lifted",
         Release::TooFar => "let go: too far away",
         Release::Turned => "let go: turned too far",
-        Release::Restep => "let go: stood off its place",
+        Release::Restep => "let go: off its place",
         Release::NoRoom => "let go: no room",
         Release::LostGround => "let go: ground is gone",
         Release::Reset => "let go: reset",

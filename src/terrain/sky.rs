@@ -20,7 +20,7 @@ use bevy::{
 };
 use wgpu::DeviceType;
 
-use super::material::SkyMaterial;
+use super::material::{SkyMaterial, embed_shaders};
 
 /// Radius of the sky's dome, metres: inside the camera's usual 1,000 m from anywhere on the land.
 const DOME: f32 = 700.0;
@@ -90,6 +90,7 @@ pub struct SkyPlugin;
 
 impl Plugin for SkyPlugin {
     fn build(&self, app: &mut App) {
+        embed_shaders(app);
         app.add_plugins(MaterialPlugin::<SkyMaterial>::default())
             .insert_resource(DirectionalLightShadowMap { size: 2048 })
             .insert_resource(GlobalAmbientLight::NONE)

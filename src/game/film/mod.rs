@@ -9,6 +9,7 @@ pub mod route;
 pub mod scenes;
 pub mod sheet;
 pub mod shots;
+pub mod shutter;
 mod stage;
 pub mod table;
 mod walk;
@@ -18,16 +19,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use bevy::{
-    camera::RenderTarget,
-    prelude::*,
-    render::{
-        render_resource::TextureFormat,
-        view::screenshot::{Screenshot, ScreenshotCaptured},
-    },
-    time::TimeUpdateStrategy,
-};
-use image::RgbImage;
+use bevy::prelude::*;
 use indicatif::{ProgressBar, ProgressStyle};
 use thiserror::Error;
 
@@ -39,6 +31,7 @@ use super::{
 };
 use frames::FrameWriter;
 use sheet::ContactSheet;
+use shutter::{ShutterPlugin, developed, expose};
 
 /// Width and height of a picture, pixels: two cores without a GPU draw three of these in about a second.
 const SIZE: UVec2 = UVec2::new(960, 540);
@@ -79,18 +72,6 @@ impl FilmError {
         Self::File { path: path.to_path_buf(), reason: reason.to_string() }
     }
 }
-
-/// The picture that the camera draws into.
-#[derive(Resource, Clone)]
-struct Canvas(Handle<Image>);
-
-/// Number of the picture that a screenshot will be.
-#[derive(Component)]
-struct Frame(usize);
-
-/// Pictures back from the renderer.
-#[derive(Resource, Default)]
-struct Developed(Vec<(usize, RgbImage)>);
 
 /// Films as `options` say, with the assets of the folder `assets`.
 ///
@@ -145,15 +126,13 @@ fn frame_count(seconds: f32, fps: u32) -> usize {
 
 /// An app with the level, a walker and a camera that draws into a picture.
 fn studio(options: &Options, assets: &Path) -> App {
-    let size = options.size.unwrap_or(SIZE);
     let mut app = engine::headless(assets);
-    let canvas = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
-    let canvas = app.world_mut().resource_mut::<Assets<Image>>().add(canvas);
-    app.insert_resource(Canvas(canvas))
-        .insert_resource(level::Seed(options.seed))
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(0))
-        .init_resource::<Developed>()
-        .add_plugins((level::plugin, walk::plugin, telemetry::plugin));
+    app.insert_resource(level::Seed(options.seed)).add_plugins((
+        ShutterPlugin { size: options.size.unwrap_or(SIZE) },
+        level::plugin,
+        walk::plugin,
+        telemetry::plugin,
+    ));
     super::open_telemetry(&mut app, options);
     engine::finish(&mut app);
     app
@@ -175,40 +154,9 @@ fn load(app: &mut App) -> Result<(), FilmError> {
     }
 }
 
-/// Steps the walk `ticks` times and takes a picture of the last.
-fn expose(app: &mut App, frame: usize, ticks: u32) {
-    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(1));
-    shutter(app, false);
-    for _ in 1..ticks {
-        app.update();
-    }
-    shutter(app, true);
-    let canvas = app.world().resource::<Canvas>().0.clone();
-    app.world_mut().spawn((Screenshot::image(canvas), Frame(frame))).observe(keep);
-    app.update();
-    app.insert_resource(TimeUpdateStrategy::FixedTimesteps(0));
-    shutter(app, false);
-}
-
-/// Lets the camera draw, or not: steps between two pictures need none.
-fn shutter(app: &mut App, open: bool) {
-    let mut cameras = app.world_mut().query::<&mut Camera>();
-    for mut camera in cameras.iter_mut(app.world_mut()) {
-        camera.is_active = open;
-    }
-}
-
-fn keep(picture: On<ScreenshotCaptured>, frames: Query<&Frame>, mut developed: ResMut<Developed>) {
-    let Ok(frame) = frames.get(picture.entity) else { return };
-    match picture.image.clone().try_into_dynamic() {
-        Ok(image) => developed.0.push((frame.0, image.to_rgb8())),
-        Err(error) => error!("picture {} has no usable format: {error}", frame.0),
-    }
-}
-
 /// Hands finished pictures to writer and sheet; returns how many.
 fn develop(app: &mut App, writer: &FrameWriter, sheet: &mut ContactSheet, captions: &[String]) -> usize {
-    let pictures = std::mem::take(&mut app.world_mut().resource_mut::<Developed>().0);
+    let pictures = developed(app);
     let count = pictures.len();
     for (frame, picture) in pictures {
         if sheet.wants(frame) {
@@ -231,11 +179,6 @@ fn tick(bar: &ProgressBar, written: usize, count: usize) {
     if bar.is_hidden() && written * 10 / count > before * 10 / count {
         eprintln!("filming {written}/{count}");
     }
-}
-
-/// Where the camera of the film draws.
-fn target(canvas: &Canvas) -> RenderTarget {
-    RenderTarget::Image(canvas.0.clone().into())
 }
 
 #[cfg(test)]

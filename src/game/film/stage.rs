@@ -3,16 +3,14 @@
 use std::path::Path;
 
 use avian3d::prelude::*;
-use bevy::{
-    camera::Viewport, light::CascadeShadowConfigBuilder, prelude::*, render::render_resource::TextureFormat,
-    time::TimeUpdateStrategy,
-};
+use bevy::{camera::Viewport, light::CascadeShadowConfigBuilder, prelude::*};
 
 use super::{
-    Canvas, Developed, FilmError, PATIENCE, expose, frames, load,
+    FilmError, PATIENCE, frames, load,
     scenes::{self, PICTURES, Scene},
     sheet::ContactSheet,
-    target, walk,
+    shutter::{Canvas, ShutterPlugin, developed, expose},
+    walk,
 };
 use crate::{
     SurefootPlugins,
@@ -71,14 +69,9 @@ pub(super) fn run(name: &str, options: &Options, assets: &Path) -> Result<(), Fi
 
 fn studio(size: UVec2, assets: &Path, scene: Scene) -> App {
     let mut app = engine::headless(assets);
-    let canvas = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
-    let canvas = app.world_mut().resource_mut::<Assets<Image>>().add(canvas);
-    app.insert_resource(Canvas(canvas))
-        .insert_resource(Now { scene, clock: 0.0 })
-        .insert_resource(TimeUpdateStrategy::FixedTimesteps(0))
-        .init_resource::<Developed>()
+    app.insert_resource(Now { scene, clock: 0.0 })
         .init_resource::<Loading>()
-        .add_plugins((PhysicsPlugins::default(), SurefootPlugins, MeasurePlugin))
+        .add_plugins((ShutterPlugin { size }, PhysicsPlugins::default(), SurefootPlugins, MeasurePlugin))
         .insert_resource(ClearColor(Color::srgb(0.62, 0.70, 0.78)))
         .add_systems(Startup, (lay_ground, set_cameras))
         .add_systems(Update, watch_loading.run_if(resource_equals(Loading::Waiting)))
@@ -140,7 +133,7 @@ fn film(app: &mut App, scene: Scene, file: &Path) -> Result<(), FilmError> {
 
 /// Puts finished pictures on the sheet; returns how many.
 fn keep(app: &mut App, sheet: &mut ContactSheet, captions: &[String]) -> usize {
-    let pictures = std::mem::take(&mut app.world_mut().resource_mut::<Developed>().0);
+    let pictures = developed(app);
     let count = pictures.len();
     for (picture, image) in pictures {
         sheet.add(picture, image, captions[picture].clone());
@@ -190,7 +183,7 @@ fn lay_ground(
 
 /// One camera to the actor's left, one ahead and to its right.
 fn set_cameras(mut commands: Commands, canvas: Res<Canvas>, images: Res<Assets<Image>>) {
-    let Some(size) = images.get(&canvas.0).map(Image::size) else { return };
+    let Some(size) = images.get(canvas.image()).map(Image::size) else { return };
     let half = UVec2::new(size.x / 2, size.y);
     for (order, from) in [(0, Vec3::NEG_X), (1, Vec3::new(0.5, 0.15, -0.85))] {
         let corner = UVec2::new(half.x * order, 0);
@@ -198,7 +191,7 @@ fn set_cameras(mut commands: Commands, canvas: Res<Canvas>, images: Res<Assets<I
             Camera3d::default(),
             AmbientLight { brightness: 900.0, ..default() },
             Msaa::Off,
-            target(&canvas),
+            canvas.target(),
             Camera {
                 order: order as isize,
                 viewport: Some(Viewport { physical_position: corner, physical_size: half, ..default() }),

@@ -5,7 +5,8 @@ use bevy::{math::Vec3Swizzles, prelude::*};
 use super::{
     operator::{self, Operator},
     route::{Leg, Route},
-    table, target,
+    shutter::Canvas,
+    table,
 };
 use crate::{
     character::{intent::MoveIntent, locomotion::Locomotion, motion::MotionState, schedule::MotionSystems},
@@ -30,14 +31,14 @@ fn begin(
     hero: On<Add, Hero>,
     roots: Query<&Transform>,
     field: Res<Heightfield>,
-    canvas: Res<super::Canvas>,
+    canvas: Res<Canvas>,
     mut commands: Commands,
 ) {
     let route = course::route(&field);
     let legs = route.windows(2).map(|pair| Leg { to: pair[1].position.xz(), speed: pair[0].speed }).collect();
     let root = roots.get(hero.entity).copied().unwrap_or_default();
     commands.entity(hero.entity).insert((OnRoute(Route::new(root.translation, legs)), Recorder::default()));
-    commands.spawn((SkyView, target(&canvas), Operator::default()));
+    commands.spawn((SkyView, canvas.target(), Operator::default()));
 }
 
 fn lead(mut heroes: Query<(&Transform, &mut OnRoute, &mut MoveIntent)>, time: Res<Time>) {
