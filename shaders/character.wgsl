@@ -100,10 +100,11 @@ fn vertex(v: Vertex) -> VertexOutput {
 #endif
 #ifdef MOTION_VECTOR_PREPASS
 #ifdef HAS_PREVIOUS_MORPH
-        previous_position += morph::prev_weight_at(layer, instance) * offset;
+        let previous_weight = morph::prev_weight_at(layer, instance);
 #else
-        previous_position += weight * offset;
+        let previous_weight = weight;
 #endif
+        previous_position += previous_weight * offset;
 #endif
     }
 #endif // MORPH_TARGETS

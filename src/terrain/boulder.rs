@@ -1,10 +1,10 @@
 //! Boulders: spheres roughened by noise, chiselled by planes, and made convex, so that the collider is the very mesh.
 
 use avian3d::parry::{math::Vector, transformation::try_convex_hull};
-use bevy::math::{Vec3, ops};
+use bevy::math::Vec3;
 use fastnoise_lite::{FastNoiseLite, NoiseType};
 
-use super::dice::Dice;
+use super::dice::{Dice, on_sphere};
 
 /// Points before the hull is taken, for a rock of 1 m radius; small rocks have fewer, but never fewer than the second.
 const POINTS: (f32, usize) = (130.0, 40);
@@ -47,11 +47,7 @@ fn reach(along: f32, depth: f32) -> f32 {
 
 /// One of `count` directions spread evenly over the sphere along a golden spiral.
 fn spiral(index: usize, count: usize) -> Vec3 {
-    let y = 1.0 - 2.0 * (index as f32 + 0.5) / count as f32;
-    let around = index as f32 * 2.399_963_2;
-    let (sin, cos) = ops::sin_cos(around);
-    let flat = (1.0 - y * y).max(0.0).sqrt();
-    Vec3::new(flat * cos, y, flat * sin)
+    on_sphere(1.0 - 2.0 * (index as f32 + 0.5) / count as f32, index as f32 * 2.399_963_2)
 }
 
 #[cfg(test)]

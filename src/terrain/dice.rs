@@ -40,11 +40,17 @@ impl Dice {
 
     /// Any unit vector.
     pub fn direction(&mut self) -> Vec3 {
-        let (y, around) = (self.between(-1.0, 1.0), self.between(0.0, TAU));
-        let (sin, cos) = ops::sin_cos(around);
-        let flat = (1.0 - y * y).max(0.0).sqrt();
-        Vec3::new(flat * cos, y, flat * sin)
+        let (height, around) = (self.between(-1.0, 1.0), self.between(0.0, TAU));
+        on_sphere(height, around)
     }
+}
+
+/// The point of the unit sphere at `height` -1..=1, `around` radians about +Y. Even steps of height and angle cover the sphere evenly.
+#[must_use]
+pub fn on_sphere(height: f32, around: f32) -> Vec3 {
+    let (sin, cos) = ops::sin_cos(around);
+    let flat = (1.0 - height * height).max(0.0).sqrt();
+    Vec3::new(flat * cos, height, flat * sin)
 }
 
 #[cfg(test)]

@@ -3,6 +3,16 @@
 use super::{GRAPHITE, ORANGE, Outline, PLAIN, PLATE, Panel, SHADE, band};
 use crate::mesh::Material;
 
+/// A row of the belly.
+const BELLY_ROW: Panel = Panel {
+    cells: [6, 2],
+    outline: Outline::Rounded(0.009),
+    color: SHADE,
+    lines: &[(0, 0.5)],
+    mirrored: false,
+    ..PLATE
+};
+
 /// Angles from the front toward the left, heights in metres.
 pub const PLATES: &[Panel] = &[
     // Breastplate.
@@ -54,12 +64,7 @@ pub const PLATES: &[Panel] = &[
         right: &[38.0, 44.0],
         bottom: &[1.192, 1.180, 1.192],
         top: &[1.232, 1.226, 1.232],
-        cells: [6, 2],
-        outline: Outline::Rounded(0.009),
-        color: SHADE,
-        lines: &[(0, 0.5)],
-        mirrored: false,
-        ..PLATE
+        ..BELLY_ROW
     },
     Panel {
         joint: "spine",
@@ -67,12 +72,7 @@ pub const PLATES: &[Panel] = &[
         right: &[36.0, 38.0],
         bottom: &[1.128, 1.114, 1.128],
         top: &[1.176, 1.164, 1.176],
-        cells: [6, 2],
-        outline: Outline::Rounded(0.009),
-        color: SHADE,
-        lines: &[(0, 0.5)],
-        mirrored: false,
-        ..PLATE
+        ..BELLY_ROW
     },
     Panel {
         joint: "spine",
@@ -80,12 +80,7 @@ pub const PLATES: &[Panel] = &[
         right: &[31.0, 36.0],
         bottom: &[1.066, 1.052, 1.066],
         top: &[1.112, 1.098, 1.112],
-        cells: [6, 2],
-        outline: Outline::Rounded(0.009),
-        color: SHADE,
-        lines: &[(0, 0.5)],
-        mirrored: false,
-        ..PLATE
+        ..BELLY_ROW
     },
     // Back, and two rows below it.
     Panel {
