@@ -3,7 +3,7 @@
 use std::{
     path::PathBuf,
     sync::{Arc, Mutex, Once},
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use bevy::{
@@ -20,7 +20,7 @@ use bevy::{
         gpu_readback::{Readback, ReadbackComplete},
         pipelined_rendering::PipelinedRenderingPlugin,
         render_phase::{BinnedRenderPhase, ViewBinnedRenderPhases},
-        render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages},
+        render_resource::{Extent3d, PipelineCache, TextureDimension, TextureFormat, TextureUsages},
         settings::{RenderCreation, WgpuSettings},
     },
     time::TimeUpdateStrategy,
@@ -116,7 +116,21 @@ const POISONED: &str = "whoever panics under a lock has failed the test";
 struct Frames(Arc<Mutex<Vec<Vec<u8>>>>);
 
 #[derive(Resource, Clone, Default)]
-struct Report(Arc<Mutex<(DrawSets, SkinUpload)>>);
+struct Report(Arc<Mutex<Reported>>);
+
+/// What the last frame drew, and what it could not draw yet.
+#[derive(Clone, Copy, Default)]
+struct Reported {
+    sets: DrawSets,
+    upload: SkinUpload,
+    /// Pipelines known so far.
+    pipelines: usize,
+    /// Those among them that wait for a shader, which loads while frames go by.
+    waiting: usize,
+}
+
+/// How long a busy machine may take over a picture.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The engine without a window, drawing by one of `backends`, or not at all.
 pub(crate) fn headless_plugins(backends: Option<wgpu::Backends>) -> PluginGroupBuilder {
@@ -205,30 +219,44 @@ impl Studio {
 
     /// The picture of a frame already drawn. Draws further ones until the copy arrives.
     pub(crate) fn frame(&mut self, number: usize) -> Picture {
-        for _ in 0..20 {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
             let frames = self.app.world().resource::<Frames>().clone();
             if let Some(frame) = frames.0.lock().expect(POISONED).get(number) {
                 return Picture(frame.clone());
             }
+            assert!(Instant::now() < deadline, "frame {number} was not read back within {PATIENCE:?}");
             self.step();
         }
-        panic!("frame {number} was not read back within 20 updates");
     }
 
-    /// The picture of the scene as it is now. New meshes and materials are drawn in their third frame.
+    /// The picture of the scene as it is now, once everything in it can be drawn: new meshes and materials are in their
+    /// third frame, and later where their shaders still load.
     pub(crate) fn picture(&mut self) -> Picture {
-        self.step();
-        self.step();
-        let number = self.step();
-        self.frame(number)
+        let deadline = Instant::now() + PATIENCE;
+        let (mut known, mut settled) = (usize::MAX, 0);
+        loop {
+            let number = self.step();
+            let report = self.report();
+            let ready = report.waiting == 0 && report.pipelines == known;
+            (known, settled) = (report.pipelines, if ready { settled + 1 } else { 0 });
+            if settled == 2 {
+                return self.frame(number);
+            }
+            assert!(Instant::now() < deadline, "{} pipelines still wait after {PATIENCE:?}", report.waiting);
+        }
+    }
+
+    fn report(&self) -> Reported {
+        *self.app.world().resource::<Report>().0.lock().expect(POISONED)
     }
 
     pub(crate) fn draw_sets(&self) -> DrawSets {
-        self.app.world().resource::<Report>().0.lock().expect(POISONED).0
+        self.report().sets
     }
 
     pub(crate) fn last_upload(&self) -> SkinUpload {
-        self.app.world().resource::<Report>().0.lock().expect(POISONED).1
+        self.report().upload
     }
 }
 
@@ -256,6 +284,7 @@ fn count(
     opaque: Res<ViewBinnedRenderPhases<Opaque3d>>,
     shadow: Res<ViewBinnedRenderPhases<Shadow>>,
     upload: Res<SkinUpload>,
+    pipelines: Res<PipelineCache>,
     report: Res<Report>,
 ) {
     fn sets<I: bevy::render::render_phase::BinnedPhaseItem>(phase: &BinnedRenderPhase<I>) -> usize {
@@ -264,5 +293,10 @@ fn count(
     let most = |sets: &mut dyn Iterator<Item = usize>| sets.max().unwrap_or(0);
     let sets =
         DrawSets { opaque: most(&mut opaque.0.values().map(sets)), shadow: most(&mut shadow.0.values().map(sets)) };
-    *report.0.lock().expect(POISONED) = (sets, *upload);
+    *report.0.lock().expect(POISONED) = Reported {
+        sets,
+        upload: *upload,
+        pipelines: pipelines.pipelines().count(),
+        waiting: pipelines.waiting_pipelines().count(),
+    };
 }

@@ -2,8 +2,8 @@
 
 use bevy::math::Vec3;
 
-/// Surfaces more alike than this count as one: the cosine of 2°.
-const SAME: f32 = 0.999_39;
+/// Surfaces more alike than this count as one: the cosine of 1°, so that no more than 2 % of a speed goes into the other.
+const SAME: f32 = 0.999_848;
 
 /// Most surfaces kept in a tick; a body wedged between more stands still anyway.
 const MOST: usize = 8;
