@@ -11,7 +11,10 @@ use super::{
     humanoid::{Humanoid, HumanoidError, HumanoidRole},
     legs,
     names::{listed, suggestion},
-    tuning::ranges::{RangeError, Ranges},
+    tuning::{
+        locomotion::Pace,
+        ranges::{RangeError, Ranges},
+    },
 };
 use crate::anim::{
     clip::Clip,
@@ -271,7 +274,20 @@ impl CharacterAsset {
         }
         locomotion.check_names(&Ranges::new("locomotion."))?;
         self.file.locomotion = locomotion;
+        self.analyze_turns();
         Ok(())
+    }
+
+    /// Looks once more at the feet of clips in which the root turns: they stand while they turn back under it.
+    fn analyze_turns(&mut self) {
+        for state in self.file.locomotion.states() {
+            let Pace::Turn { angle } = state.pace else { continue };
+            for name in state.clips() {
+                let written = self.file.clips.get(name).is_some_and(|source| source.contacts.is_some());
+                let Some(turning) = self.clips.iter_mut().find(|clip| clip.name == name && !written) else { continue };
+                turning.gait = Gait::analyze_turning(&turning.clip, &self.skeleton, &self.legs, angle);
+            }
+        }
     }
 }
 

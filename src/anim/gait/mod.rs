@@ -47,7 +47,14 @@ impl Gait {
     /// Looks at the feet of `clip`.
     #[must_use]
     pub fn analyze(clip: &Clip, skeleton: &Skeleton, legs: &[Leg; 2]) -> Self {
-        Track::new(clip, skeleton, legs).gait()
+        Self::analyze_turning(clip, skeleton, legs, 0.0)
+    }
+
+    /// Looks at the feet of a `clip` during which the game turns the root by `angle` radians about +Y: a foot that turns
+    /// back under the root stands.
+    #[must_use]
+    pub fn analyze_turning(clip: &Clip, skeleton: &Skeleton, legs: &[Leg; 2], angle: f32) -> Self {
+        Track::new(clip, skeleton, legs, angle).gait()
     }
 
     /// Takes `contact` for the stances, as shares of the clip's duration, and moves phase 0 to the left foot's landing.

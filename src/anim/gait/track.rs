@@ -5,7 +5,10 @@
 use bevy::math::Vec3;
 
 use super::{Contact, Gait};
-use crate::anim::{clip::Clip, leg::Leg, pose::Pose, skeleton::Skeleton};
+use crate::{
+    anim::{clip::Clip, leg::Leg, pose::Pose, skeleton::Skeleton},
+    math::rotation::from_scaled_axis,
+};
 
 /// Samples per second of clip, and how many at least and at most.
 const SAMPLES: (f32, usize, usize) = (200.0, 128, 1024);
@@ -35,14 +38,15 @@ pub(super) struct Track {
     looping: bool,
     /// Size of the character against [`LEG`].
     size: f32,
-    /// By sample, foot, point: position in model space.
+    /// By sample, foot, point: position in model space, turned with the root.
     points: Vec<[[Vec3; 3]; 2]>,
     /// Horizontal way of the hips over the clip, m/s: root motion left in the clip.
     drift: Vec3,
 }
 
 impl Track {
-    pub(super) fn new(clip: &Clip, skeleton: &Skeleton, legs: &[Leg; 2]) -> Self {
+    /// Samples `clip`, its root turned evenly by `angle` radians about +Y.
+    pub(super) fn new(clip: &Clip, skeleton: &Skeleton, legs: &[Leg; 2], angle: f32) -> Self {
         let (rate, least, most) = SAMPLES;
         let count = ((clip.duration * rate) as usize).clamp(least, most);
         let mut pose = Pose::rest(skeleton);
@@ -53,7 +57,8 @@ impl Track {
             let held = Clip::time_of(sample, count, clip.duration);
             clip.sample_held(skeleton, held, pose.locals_mut());
             pose.update_model(skeleton);
-            points.push([0, 1].map(|foot| legs[foot].sole().map(|point| point.position(&pose))));
+            let turn = from_scaled_axis(Vec3::Y * (angle * sample as f32 / count as f32));
+            points.push([0, 1].map(|foot| legs[foot].sole().map(|point| turn * point.position(&pose))));
             let middle = 0.5 * (pose.position(legs[0].upper) + pose.position(legs[1].upper));
             if sample == 0 {
                 hips[0] = middle;

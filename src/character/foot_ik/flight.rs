@@ -48,6 +48,8 @@ pub(super) struct Flight {
     way: Way,
     /// Lift out of ground that nobody foresaw, metres.
     guard: f32,
+    /// How much of the step height a step of its own is lifted by, 0..1.
+    pub(super) arc: f32,
 }
 
 impl Flight {
@@ -60,6 +62,7 @@ impl Flight {
             yaw: state.yaw_offset,
             align: state.align,
             since: if foot.swing < 1.0 { foot.swing.min(0.9) } else { 0.0 },
+            arc: 1.0,
             ..Self::default()
         }
     }
@@ -69,12 +72,22 @@ impl Flight {
         self.left = ground.and_then(|ground| Some((ground, frames.frame(ground)?.inverse() * self.takeoff)));
     }
 
+    /// How much of its time in the air has passed, 0..1.
+    pub(super) fn share(&self) -> f32 {
+        self.share
+    }
+
     /// How much of the clip's swing since take-off has passed, 0..1.
     fn advance(&mut self, foot: &AnimatedFoot) -> f32 {
         if foot.swing < 1.0 {
             self.share = self.share.max((foot.swing - self.since) / (1.0 - self.since)).min(1.0);
         }
         self.share
+    }
+
+    /// Whether it left after the clip's foot had.
+    pub(super) fn leaves_late(&self) -> bool {
+        self.since > LATE
     }
 
     /// A foot that leaves in the middle of the clip's swing is let go by and by, until it is off the ground.
@@ -124,7 +137,7 @@ impl FootState {
         let eased = ease(((share - UP) / (1.0 - 2.0 * UP)).clamp(0.0, 1.0));
         let ball = self.flight.takeoff.lerp(self.landing.place, eased);
         let arc = 4.0 * share * (1.0 - share);
-        self.flight.lift = around.config.step_height * arc * arc;
+        self.flight.lift = self.flight.arc * around.config.step_height * arc * arc;
         self.fly(ball, eased, time_left, foot, around)
     }
 
@@ -153,7 +166,11 @@ impl FootState {
         let mut placed = self.place(foot, None, plane);
         placed.takeoff = self.flight.takeoff;
         placed.landing = Some((landing, time_left));
+        let kept = self.carry.offset(placed.ankle, 0.8 * time_left, around.dt);
+        self.shift(&mut placed, kept);
         self.clear(&mut placed, around);
+        let ground = Plane { point: landing, normal: self.landing.align * Vec3::Y };
+        self.above = placed.sole.into_iter().map(|point| point.y - ground.height(point)).fold(f32::MAX, f32::min);
         placed
     }
 
@@ -167,10 +184,13 @@ impl FootState {
             }
         }
         self.flight.guard = deepest;
-        let lift = Vec3::Y * deepest;
-        placed.ankle += lift;
-        placed.sole = placed.sole.map(|point| point + lift);
-        self.placed_ball += lift;
+        self.shift(placed, Vec3::Y * deepest);
+    }
+
+    fn shift(&mut self, placed: &mut PlacedFoot, by: Vec3) {
+        placed.ankle += by;
+        placed.sole = placed.sole.map(|point| point + by);
+        self.placed_ball += by;
     }
 }
 
@@ -186,7 +206,7 @@ impl Flight {
 }
 
 /// 0 to 1 with neither speed nor acceleration at both ends.
-fn ease(t: f32) -> f32 {
+pub(super) fn ease(t: f32) -> f32 {
     t * t * t * (t * (6.0 * t - 15.0) + 10.0)
 }
 

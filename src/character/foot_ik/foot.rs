@@ -8,7 +8,8 @@
 use bevy::prelude::*;
 
 use super::{
-    flight::Flight,
+    carry::Carry,
+    flight::{Flight, ease},
     ground::{Footprint, Plane, Probe},
     landing::{Landing, print_at},
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
@@ -95,6 +96,10 @@ pub struct FootState {
     pub(super) flight: Flight,
     /// Where it will come down, while it is in the air.
     pub(super) landing: Landing,
+    /// What it keeps of its motion when its way changes.
+    pub(super) carry: Carry,
+    /// Metres from the sole's lowest point, in the air, down to where it will stand.
+    pub(super) above: f32,
     /// Turn about +Y from the clip's foot to the placed foot, radians.
     pub(super) yaw_offset: f32,
     /// Turn from upright to the ground's normal.
@@ -113,7 +118,7 @@ pub struct FootState {
     to_heel: Vec3,
     to_tip: Vec3,
     /// Angle in radians by which the heel is lifted so that the leg reaches.
-    pub(super) heel: f32,
+    pub heel: f32,
     /// Whether it has run before.
     awake: bool,
 }
@@ -134,6 +139,14 @@ impl FootState {
         self.plant().is_some_and(|plant| plant.pivot != Pivot::Heel)
     }
 
+    /// How far its heel may lift to reach, 0..1: on its forefoot, and when it has just left the ground.
+    pub(super) fn heel_may_lift(&self) -> f32 {
+        match self.mode {
+            Mode::Planted(plant) => f32::from(u8::from(plant.pivot != Pivot::Heel)),
+            _ => 1.0 - ease((self.flight.share() / REACHES_BACK).min(1.0)),
+        }
+    }
+
     /// Forgets the ground; the next frame starts from the clip.
     pub fn reset(&mut self) {
         *self = Self { released: Release::Reset, ..Self::default() };
@@ -149,11 +162,13 @@ impl FootState {
             self.wake(foot, around);
         }
         self.decide(foot, around);
-        match self.mode {
+        let placed = match self.mode {
             Mode::Planted(plant) => self.hold(&plant, foot, around),
             Mode::Swing => self.swing(foot, around),
             Mode::Stepping { elapsed, seconds } => self.step((elapsed, seconds), foot, around),
-        }
+        };
+        self.carry.note(placed.ankle, around.dt);
+        placed
     }
 
     fn wake<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
@@ -197,13 +212,18 @@ impl FootState {
                     self.begin_step(Release::Restep, foot, around);
                 }
             }
-            Mode::Swing if foot.contact >= 0.5 => self.lock(foot, around),
+            Mode::Swing if foot.contact >= 0.5 => {
+                let aside = flat(self.placed_ball - self.landing.place).length();
+                let amid = self.flight.share() < NEARLY && (self.above > DOWN || aside > THERE);
+                if amid { self.finish_step(foot, aside) } else { self.lock(foot, around) }
+            }
             Mode::Swing => {}
             Mode::Stepping { elapsed, seconds } => {
                 if foot.contact < 0.5 {
                     self.mode = Mode::Swing;
                     self.landing = Landing::default();
                     self.flight = Flight::from(self, foot);
+                    self.carry.begin();
                 } else if elapsed >= seconds {
                     self.lock(foot, around);
                 }
@@ -227,6 +247,9 @@ impl FootState {
         self.landing = Landing::default();
         self.flight = Flight::from(self, foot);
         self.flight.leave(plant.map(|plant| plant.ground), around.frames);
+        if self.flight.leaves_late() {
+            self.carry.begin();
+        }
     }
 
     fn begin_step<P: Probe, G: GroundFrames>(
@@ -238,6 +261,16 @@ impl FootState {
         self.release(why, foot, around);
         let far = flat(self.placed_ball - foot.ball).length() * UNHURRIED;
         self.mode = Mode::Stepping { elapsed: 0.0, seconds: around.config.step_time.max(HURRY).max(far) };
+    }
+
+    /// The clip stands while the foot is still in the air: it comes down by a step of its own.
+    fn finish_step(&mut self, foot: &AnimatedFoot, aside: f32) {
+        let seconds = (HURRY + UNHURRIED * aside + self.above).min(LONGEST_FINISH);
+        self.mode = Mode::Stepping { elapsed: 0.0, seconds };
+        self.landing = Landing::default();
+        self.flight = Flight::from(self, foot);
+        self.flight.arc = ease((aside / FULL_ARC).min(1.0)) * (1.0 - self.above / FULL_ARC).max(0.0);
+        self.carry.begin();
     }
 
     /// Takes hold of the ground where the foot is now.
@@ -380,8 +413,18 @@ const PATIENCE: f32 = 1.5;
 const RESTEP_YAW: f32 = 0.35;
 /// Seconds that a metre of a correcting step takes at least.
 const UNHURRIED: f32 = 1.4;
-/// Seconds of the shortest step.
+/// Seconds of the shortest step, and of the longest one that finishes what a clip began.
 const HURRY: f32 = 0.2;
+const LONGEST_FINISH: f32 = 0.4;
+/// Metres over its ground, and aside of it, within which a foot counts as landed when its clip stands.
+const DOWN: f32 = 0.03;
+const THERE: f32 = 0.08;
+/// Share of its time in the air from which on a foot counts as landed when its clip stands.
+const NEARLY: f32 = 0.85;
+/// Metres of a step from which on it is lifted by the whole step height.
+const FULL_ARC: f32 = 0.15;
+/// Share of the time in the air in which a foot that is left behind still lifts its heel to reach.
+const REACHES_BACK: f32 = 0.5;
 /// Half-life in seconds in which a foot that came down over or under its ground settles onto it.
 const SETTLE: f32 = 0.02;
 

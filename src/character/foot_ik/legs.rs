@@ -79,10 +79,11 @@ pub fn place_leg(
 /// Angle in radians by which the heel lifts about the ball so that the ankle comes within `reach` of the hip.
 ///
 /// 0 where it is within reach already. Never so far that lifting stops to help: the nearer foot and hip are to one line,
-/// the less is gained by a degree, so that a foot would whirl round for the last millimetres.
+/// the less is gained by a degree, so that a foot would whirl round for the last millimetres. `forward` is where the foot
+/// points; its height doesn't matter.
 #[must_use]
-pub fn heel_lift(hip: Vec3, ankle: Vec3, ball: Vec3, reach: f32) -> f32 {
-    let Some(side) = lift_axis(ankle, ball) else { return 0.0 };
+pub fn heel_lift(hip: Vec3, ankle: Vec3, ball: Vec3, forward: Vec3, reach: f32) -> f32 {
+    let Some(side) = lift_axis(forward) else { return 0.0 };
     let (foot, leg) = (ankle - ball, hip - ball);
     let aside = (leg - foot).dot(side);
     let (foot, leg) = (foot - side * foot.dot(side), leg - side * leg.dot(side));
@@ -97,14 +98,14 @@ pub fn heel_lift(hip: Vec3, ankle: Vec3, ball: Vec3, reach: f32) -> f32 {
     needed.clamp(0.0, MOST_LIFT.min(USEFUL_LIFT * most))
 }
 
-/// Turn in model space that lifts the heel by `angle` radians about the ball.
+/// Turn in model space that lifts the heel of a foot that points `forward` by `angle` radians.
 #[must_use]
-pub fn heel_turn(ankle: Vec3, ball: Vec3, angle: f32) -> Quat {
-    lift_axis(ankle, ball).map_or(Quat::IDENTITY, |side| from_scaled_axis(side * angle))
+pub fn heel_turn(forward: Vec3, angle: f32) -> Quat {
+    lift_axis(forward).map_or(Quat::IDENTITY, |side| from_scaled_axis(side * angle))
 }
 
-fn lift_axis(ankle: Vec3, ball: Vec3) -> Option<Vec3> {
-    Vec3::Y.cross((ball - ankle).with_y(0.0)).try_normalize()
+fn lift_axis(forward: Vec3) -> Option<Vec3> {
+    Vec3::Y.cross(forward).try_normalize()
 }
 
 /// Most that a heel lifts to reach, radians: toes bend by about 50° (clinical range 70–80°).
@@ -146,17 +147,18 @@ mod tests {
     #[test]
     fn a_heel_lifts_just_as_far_as_the_hip_needs() {
         let (hip, ankle, ball) = (Vec3::Y, Vec3::new(0.0, 0.07, 0.3), Vec3::new(0.0, 0.0, 0.17));
-        let lift = heel_turn(ankle, ball, heel_lift(hip, ankle, ball, 0.95));
+        let lift = heel_turn(Vec3::NEG_Z, heel_lift(hip, ankle, ball, Vec3::NEG_Z, 0.95));
         let reach = (ball + lift * (ankle - ball)).distance(hip);
         assert!((reach - 0.95).abs() < 1e-3, "reaches to {reach} m");
-        let idle = heel_lift(hip, ankle, ball, 1.2);
+        let idle = heel_lift(hip, ankle, ball, Vec3::NEG_Z, 1.2);
         assert!(idle.abs() < 1e-6, "lifts by {idle} without need");
     }
 
     #[test]
     fn a_heel_never_whirls_round_as_the_hip_goes_out_of_reach() {
         let (ankle, ball) = (Vec3::new(0.0, 0.07, 0.3), Vec3::new(0.0, 0.0, 0.17));
-        let angle = |step: i32| heel_lift(Vec3::new(0.0, 0.9, 0.17 - 0.002 * step as f32), ankle, ball, 0.9);
+        let angle =
+            |step: i32| heel_lift(Vec3::new(0.0, 0.9, 0.17 - 0.002 * step as f32), ankle, ball, Vec3::NEG_Z, 0.9);
         for step in 0..300 {
             let turned = (angle(step + 1) - angle(step)).abs().to_degrees();
             assert!(turned < 3.0, "{turned}° for 2 mm at step {step}");

@@ -3,6 +3,7 @@
 //! Reads the animated pose, the playing clips' cues, the root and the ground; turns hips, knees and ankles of the pose and
 //! lowers the pelvis. Feet are placed in world space, legs solved in model space: metres, +Y up, the character faces -Z.
 
+mod carry;
 mod flight;
 mod foot;
 mod ground;
@@ -311,14 +312,17 @@ impl Body<'_> {
         // The heel lifts about the toes' joint: that is where a foot bends.
         let rest = leg.toes.unwrap_or(leg.foot);
         let ball = ankle + turn_model * (pose.pose.position(rest) - pose.pose.position(leg.foot));
+        // Of the whole sole: at the end of a push-off the ankle stands over the toes, and beyond.
+        let forward = model_from_world.rotation * (placed.sole[1] - placed.sole[0]);
         let needed = match leg.toes {
-            Some(_) if foot.stands_on_forefoot() => {
-                heel_lift(pose.pose.position(leg.upper), ankle, ball, soft * leg.length()) * weight
+            Some(_) => {
+                let share = foot.heel_may_lift() * weight;
+                heel_lift(pose.pose.position(leg.upper), ankle, ball, forward, soft * leg.length()) * share
             }
-            _ => 0.0,
+            None => 0.0,
         };
         foot.heel = if needed > foot.heel { needed } else { damp(foot.heel, needed, HEEL_HALF_LIFE, self.dt) };
-        let lift = heel_turn(ankle, ball, foot.heel);
+        let lift = heel_turn(forward, foot.heel);
         let toes = leg.toes.map(|toes| (toes, turn_model * pose.pose.rotation(toes)));
         let rotation = lift * turn_model * pose.pose.rotation(leg.foot);
         let result = place_leg(

@@ -83,6 +83,8 @@ pub struct MotionState {
     pub turn_ahead: f32,
     /// Whether it faces a given direction, whatever way it goes.
     pub facing_locked: bool,
+    /// Rise over run to where the next stride may land; 0 where the ground there is out of reach.
+    pub grade_ahead: f32,
     /// Seconds since the character last stood on ground; 0 when grounded.
     pub air_time: f32,
     /// Speed of the last landing, downward, m/s.

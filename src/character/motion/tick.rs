@@ -43,6 +43,12 @@ const RECHECKS: u8 = 2;
 /// Wanted speeds below this, in m/s, don't turn the body.
 const TURNING_SPEED: f32 = 0.1;
 
+/// Seconds in which a stride lands: so far ahead the way is looked at.
+const STRIDE_SECONDS: f32 = 0.5;
+
+/// Rise over run beyond which a stride doesn't land: steep stairs have 0.9.
+const STEEPEST: f32 = 0.95;
+
 /// All that a tick reads.
 pub(super) struct Tick<'a> {
     pub(super) view: View<'a>,
@@ -68,6 +74,7 @@ impl Tick<'_> {
         self.board(body, travelled.before.is_none());
         refuse_nonsense(body, self.view.me);
         report(body, state, self.dt);
+        state.grade_ahead = self.grade_ahead(body);
         body.written = Some(Written { translation: body.root(), yaw: body.yaw.value });
     }
 
@@ -209,11 +216,28 @@ impl Tick<'_> {
         let goal = if flat.length() > least { heading(flat) } else { body.yaw.value };
         let stands = body.support.is_some() && intent.velocity == Vec3::ZERO && body.velocity.length() < TURNING_SPEED;
         let most = if stands { config.turn_rate.min(config.standing_turn_rate) } else { config.turn_rate };
-        let yaw = turn_toward(body.yaw, goal, TurnRates { half_life: config.turn_half_life, most }, self.dt);
+        let rates = TurnRates { half_life: config.turn_half_life, most, gain: config.turn_acceleration };
+        let yaw = turn_toward(body.yaw, goal, rates, self.dt);
         state.ground_yaw_rate = wrap_angle(yaw.value - body.yaw.value) / self.dt;
         state.turn_ahead = way_round(yaw, goal);
         state.facing_locked = intent.facing.is_some();
         body.yaw = yaw;
+    }
+
+    /// Rise over run to where the next stride may land; 0 where it can't.
+    fn grade_ahead(&self, body: &MotionBody) -> f32 {
+        let wanted = self.intent.velocity.with_y(0.0);
+        let way = if wanted == Vec3::ZERO { body.velocity.with_y(0.0) } else { wanted };
+        let speed = way.length();
+        if body.support.is_none() || speed < TURNING_SPEED {
+            return 0.0;
+        }
+        let distance = (STRIDE_SECONDS * speed).max(self.shapes.radius);
+        let up = (self.shapes.step_up + distance).min(self.shapes.standing.height);
+        let start = body.position.with_y(body.level + up) + way * (distance / speed);
+        let floor = self.view.floor(start, Dir3::NEG_Y, up + self.shapes.step_up + distance);
+        let grade = floor.map_or(0.0, |floor| (floor.height - body.level) / distance);
+        if grade.abs() > STEEPEST { 0.0 } else { grade }
     }
 
     /// Walks, jumps or flies.

@@ -11,11 +11,14 @@ pub(super) struct TurnRates {
     pub(super) half_life: f32,
     /// Fastest turn, rad/s.
     pub(super) most: f32,
+    /// How fast a turn may gain speed, rad/s².
+    pub(super) gain: f32,
 }
 
 /// Turns the heading `yaw` toward `goal` for `dt` seconds, the shorter way round.
 ///
-/// A critically damped spring whose rate is cut to `rates.most`. A turn that is more than a hair over half a
+/// A critically damped spring whose rate, and what it gains of it, are cut: planted feet and swinging arms can't follow a
+/// body that turns at once. A turn that is more than a hair over half a
 /// circle goes on the way it already turns, so that a goal straight behind never makes it waver.
 #[must_use]
 pub(super) fn turn_toward(yaw: Spring<f32>, goal: f32, rates: TurnRates, dt: f32) -> Spring<f32> {
@@ -25,11 +28,12 @@ pub(super) fn turn_toward(yaw: Spring<f32>, goal: f32, rates: TurnRates, dt: f32
     let way = way_round(yaw, goal);
     let mut spring = Spring { value: 0.0, velocity: yaw.velocity };
     spring.step(way, rates.half_life, dt);
-    let most = rates.most.max(0.0) * dt;
-    if spring.value.abs() > most {
-        spring.value = most * spring.value.signum();
+    let before = if yaw.velocity * way > 0.0 { yaw.velocity.abs() } else { 0.0 };
+    let fastest = rates.most.max(0.0).min(before + rates.gain.max(0.0) * dt);
+    if spring.value.abs() > fastest * dt {
+        spring.value = fastest * dt * spring.value.signum();
     }
-    spring.velocity = spring.velocity.clamp(-rates.most.max(0.0), rates.most.max(0.0));
+    spring.velocity = spring.velocity.clamp(-fastest, fastest);
     Spring { value: wrap_angle(yaw.value + spring.value), velocity: spring.velocity }
 }
 
@@ -46,7 +50,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const RATES: TurnRates = TurnRates { half_life: 0.07, most: 12.5 };
+    const RATES: TurnRates = TurnRates { half_life: 0.1, most: 12.5, gain: 80.0 };
 
     #[test]
     fn a_quarter_turn_is_done_in_half_a_second() {
@@ -73,7 +77,7 @@ mod tests {
     proptest! {
         #[test]
         fn a_turn_keeps_its_rate_and_never_overshoots(from in -3.1f32..3.1, goal in -9.0f32..9.0, half_life in 0.0f32..0.5, dt in 0.001f32..0.1) {
-            let rates = TurnRates { half_life, most: 6.0 };
+            let rates = TurnRates { half_life, most: 6.0, gain: 60.0 };
             let yaw = turn_toward(Spring::at(from), goal, rates, dt);
             let turned = wrap_angle(yaw.value - from);
             let way = wrap_angle(goal - from);

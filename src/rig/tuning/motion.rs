@@ -32,12 +32,17 @@ pub struct MotionConfig {
     pub reversal: f32,
     /// Rate at which the intent steers in the air, m/s². Default 3.
     pub air_acceleration: f32,
-    /// Half-life of the turn toward the facing, seconds. Default 0.07.
+    /// Half-life of the turn toward the facing, seconds. Default 0.1.
     pub turn_half_life: f32,
+    /// How fast a turn may gain speed, degrees per second squared in RON. Default 4,500°.
+    ///
+    /// Small: turns start lazily. Large: they jerk, since the feet stand while the body turns over them.
+    #[serde(with = "super::degrees")]
+    pub turn_acceleration: f32,
     /// Fastest turn, degrees per second in RON. Default 720°.
     #[serde(with = "super::degrees")]
     pub turn_rate: f32,
-    /// Fastest turn on the spot, degrees per second in RON. Default 200°.
+    /// Fastest turn on the spot, degrees per second in RON. Default 120°.
     ///
     /// Large: the feet can't step round as fast.
     #[serde(with = "super::degrees")]
@@ -93,9 +98,10 @@ impl Default for MotionConfig {
             braking: 12.0,
             reversal: 16.0,
             air_acceleration: 3.0,
-            turn_half_life: 0.07,
+            turn_half_life: 0.1,
+            turn_acceleration: 4500f32.to_radians(),
             turn_rate: 720f32.to_radians(),
-            standing_turn_rate: 200f32.to_radians(),
+            standing_turn_rate: 120f32.to_radians(),
             radius: 0.28,
             height: 1.8,
             crouch_height: 1.2,
@@ -154,7 +160,7 @@ impl MotionConfig {
         mended
     }
 
-    fn fields(&mut self) -> [(&'static str, &mut f32); 27] {
+    fn fields(&mut self) -> [(&'static str, &mut f32); 28] {
         [
             ("walk_speed", &mut self.walk_speed),
             ("run_speed", &mut self.run_speed),
@@ -166,6 +172,7 @@ impl MotionConfig {
             ("reversal", &mut self.reversal),
             ("air_acceleration", &mut self.air_acceleration),
             ("turn_half_life", &mut self.turn_half_life),
+            ("turn_acceleration", &mut self.turn_acceleration),
             ("turn_rate", &mut self.turn_rate),
             ("standing_turn_rate", &mut self.standing_turn_rate),
             ("radius", &mut self.radius),

@@ -1,0 +1,122 @@
+//! What a foot keeps of its motion when its way changes: it goes on as it was and eases into the new way.
+//!
+//! Inertialization of one point, world space, metres: the offset from the new way starts with the old place and speed and
+//! ends with neither offset, speed nor acceleration. Source: David Bollo, "Inertialization" (GDC 2018), quintic decay.
+
+use bevy::prelude::*;
+
+/// Seconds of the longest and the shortest easing.
+const LONGEST: f32 = 0.3;
+const SHORTEST: f32 = 0.05;
+
+/// An offset that decays, and what it is made of.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Carry {
+    phase: Phase,
+    /// Where the point was last, and its velocity then.
+    place: Option<Vec3>,
+    velocity: Vec3,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+enum Phase {
+    /// Nothing is left.
+    #[default]
+    Over,
+    /// The way has just changed.
+    Begun,
+    /// The new way was seen once: the offset from it, and where it was.
+    Seen { offset: Vec3, new: Vec3 },
+    /// The offset decays.
+    Eases { offset: Vec3, velocity: Vec3, elapsed: f32, seconds: f32 },
+}
+
+impl Carry {
+    /// From now on the point goes another way.
+    pub(super) fn begin(&mut self) {
+        self.phase = Phase::Begun;
+    }
+
+    /// Notes where the point was put in this frame.
+    pub(super) fn note(&mut self, place: Vec3, dt: f32) {
+        self.velocity = self.place.map_or(Vec3::ZERO, |last| (place - last) / dt.max(1e-4));
+        self.place = Some(place);
+    }
+
+    /// The offset from the new way, which is at `new` now; it is over within `left` seconds.
+    pub(super) fn offset(&mut self, new: Vec3, left: f32, dt: f32) -> Vec3 {
+        match self.phase {
+            Phase::Over => Vec3::ZERO,
+            Phase::Begun => {
+                let offset = self.place.map_or(Vec3::ZERO, |place| place + self.velocity * dt - new);
+                self.phase = Phase::Seen { offset, new };
+                offset
+            }
+            Phase::Seen { offset, new: last } => {
+                let velocity = self.velocity - (new - last) / dt.max(1e-4);
+                let seconds = left.clamp(SHORTEST, LONGEST);
+                self.phase = Phase::Eases { offset, velocity, elapsed: 0.0, seconds };
+                self.offset(new, left, dt)
+            }
+            Phase::Eases { offset, velocity, elapsed, seconds } => {
+                let elapsed = elapsed + dt;
+                if elapsed >= seconds {
+                    self.phase = Phase::Over;
+                    return Vec3::ZERO;
+                }
+                self.phase = Phase::Eases { offset, velocity, elapsed, seconds };
+                quintic(offset, velocity * seconds, elapsed / seconds)
+            }
+        }
+    }
+}
+
+/// From `offset` with `speed` (per unit of `t`) at `t` = 0 to rest at `t` = 1, with no acceleration at both ends.
+fn quintic(offset: Vec3, speed: Vec3, t: f32) -> Vec3 {
+    let rest = 1.0 - t;
+    let cube = rest * rest * rest;
+    offset * (cube * (1.0 + 3.0 * t + 6.0 * t * t)) + speed * (cube * t * (1.0 + 3.0 * t))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f32 = 1.0 / 60.0;
+
+    #[test]
+    fn a_point_that_changes_its_way_neither_jumps_nor_kinks() {
+        let (old, new) = (|t: f32| Vec3::new(2.0 * t, 0.1, 0.0), |t: f32| Vec3::new(0.3, 0.0, -t));
+        let mut carry = Carry::default();
+        let mut places = Vec::new();
+        for frame in 0..40 {
+            let time = frame as f32 * DT;
+            let place = if frame < 10 {
+                old(time)
+            } else {
+                if frame == 10 {
+                    carry.begin();
+                }
+                new(time) + carry.offset(new(time), 0.3, DT)
+            };
+            carry.note(place, DT);
+            places.push(place);
+        }
+        for (frame, three) in places.windows(3).enumerate() {
+            let kink = (three[2] - 2.0 * three[1] + three[0]).length() / DT;
+            assert!(kink < 0.4, "its velocity changes by {kink} m/s in frame {frame}");
+        }
+        let off = places[30].distance(new(30.0 * DT));
+        assert!(off < 1e-5, "{off} m off its new way after 0.33 s");
+    }
+
+    #[test]
+    fn the_decay_starts_as_told_and_ends_at_rest() {
+        let at = |t| quintic(Vec3::X, Vec3::Y, t);
+        assert!((at(0.0) - Vec3::X).length() < 1e-6 && at(1.0).length() < 1e-6);
+        let speed = (at(0.01) - at(0.0)) / 0.01;
+        assert!((speed - Vec3::Y).length() < 0.01, "starts with {speed}");
+        let last = at(0.99).length();
+        assert!(last < 1e-4, "{last} left just before its end");
+    }
+}
