@@ -11,15 +11,27 @@ use super::{
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
     way::Way,
 };
-use crate::math::spring::remaining;
+use crate::math::spring::{damp, remaining};
 
 /// Depth in metres to which a flying foot may graze the ground.
 const TOUCH: f32 = 0.002;
+/// Metres that a swinging foot keeps from its ground, and the shares of a swing at both ends in which that eases.
+const CLEARS: f32 = 0.015;
+const EDGES: f32 = 0.2;
 /// Half-life in seconds of a lift out of ground that nobody foresaw.
 const GUARD_HALF_LIFE: f32 = 0.06;
-/// Share of the rest of a swing over which a foot that leaves late is held, and share of the swing from which on it is late.
+/// Share of a swing over which a foot is held that leaves late or has something right before it, and share of the swing
+/// from which on it is late.
 const HOLD: f32 = 0.4;
 const LATE: f32 = 0.15;
+/// Height in metres of a thing right before a foot from which on it goes up before it goes over.
+const BLOCKS: f32 = 0.1;
+/// Most that toes point down to reach a lower step, radians: 23°, of some 50° that an ankle has (GAIT.md).
+const TOES_DOWN: f32 = 0.4;
+/// Share of a swing after which toes begin to point down, and the share over which they do.
+const POINTS: (f32, f32) = (0.3, 0.5);
+/// Half-life in seconds in which toes follow a landing that was foreseen anew.
+const FOLLOWS: f32 = 0.02;
 /// Share of a swing in which a foot comes back from where it stood to where the clip has it.
 const LEFT: f32 = 1.0;
 /// Share of a step at both ends in which the foot only lifts or lowers.
@@ -72,6 +84,11 @@ impl Flight {
         self.left = ground.and_then(|ground| Some((ground, frames.frame(ground)?.inverse() * self.takeoff)));
     }
 
+    /// 1 in flight, eased to 0 at take-off and landing.
+    fn amid(&self) -> f32 {
+        ease((self.share / EDGES).min(1.0)) * ease(((1.0 - self.share) / EDGES).min(1.0))
+    }
+
     /// How much of its time in the air has passed, 0..1.
     pub(super) fn share(&self) -> f32 {
         self.share
@@ -90,9 +107,11 @@ impl Flight {
         self.since > LATE
     }
 
-    /// A foot that leaves in the middle of the clip's swing is let go by and by, until it is off the ground.
+    /// A foot that leaves in the middle of the clip's swing, or before a step up, is let go by and by, until it is off the
+    /// ground.
     fn held(&self, ball: Vec3) -> Vec3 {
-        let window = HOLD * (self.since / LATE).min(1.0);
+        let blocked = self.way.ahead() / BLOCKS;
+        let window = HOLD * (self.since / LATE).max(blocked).min(1.0);
         self.takeoff.lerp(ball, ease((self.share / window.max(1e-3)).min(1.0)))
     }
 
@@ -114,6 +133,7 @@ impl FootState {
         let time_left = foot.time_to_contact.clamp(0.0, 0.6);
         let eased = ease(self.flight.advance(foot));
         self.landing.foresee(foot.landing, foot.landing_forward, time_left, self.base, around);
+        self.look_over_the_way(foot, around);
         let at_landing = flat(self.landing.place - foot.landing);
         // What is left of the last place goes first, before the leg has to stretch for it.
         let left = self.flight.offset * (1.0 - ease((self.flight.share / LEFT).min(1.0)));
@@ -133,12 +153,19 @@ impl FootState {
         self.flight.share = share;
         let time_left = (seconds - elapsed).max(0.0);
         self.landing.foresee(foot.ball, foot.forward, time_left, self.base, around);
+        self.look_over_the_way(foot, around);
         // Up before it goes over, and down after.
         let eased = ease(((share - UP) / (1.0 - 2.0 * UP)).clamp(0.0, 1.0));
         let ball = self.flight.takeoff.lerp(self.landing.place, eased);
         let arc = 4.0 * share * (1.0 - share);
         self.flight.lift = self.flight.arc * around.config.step_height * arc * arc;
         self.fly(ball, eased, time_left, foot, around)
+    }
+
+    fn look_over_the_way<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
+        self.flight.follow_ground(around.frames);
+        let normal = self.flight.align.slerp(self.landing.align, 0.5) * Vec3::Y;
+        self.flight.way.look([self.flight.takeoff, self.landing.place], foot.forward, normal, around);
     }
 
     /// Carries the foot over the ground between take-off and landing.
@@ -151,14 +178,21 @@ impl FootState {
         around: &Surroundings<'_, P, G>,
     ) -> PlacedFoot {
         let landing = self.landing.place;
-        self.flight.follow_ground(around.frames);
-        let normal = self.flight.align.slerp(self.landing.align, 0.5) * Vec3::Y;
-        self.flight.way.look([self.flight.takeoff, landing], foot.forward, normal, around);
         self.flight.ball = ball;
+        if self.mode == Mode::Swing {
+            // Clips blended across each other may drag their feet.
+            let low = foot.heel.y.min(foot.ball.y).min(foot.tip.y) - foot.floor;
+            self.flight.lift = (CLEARS * self.flight.amid() - low.max(0.0)).max(0.0);
+        }
         let done = self.flight.done(landing, eased);
         self.yaw_offset = self.flight.yaw * (1.0 - eased);
         self.align = self.flight.align.slerp(self.landing.align, eased);
-        self.flatten.step(if self.landing.over_edge { 1.0 } else { 0.0 }, 0.05, around.dt);
+        let (later, over) = POINTS;
+        let down = self.landing.step_down(self.flight.takeoff);
+        let points = TOES_DOWN * down * ease(((self.flight.share - later) / over).clamp(0.0, 1.0));
+        self.toes_down = damp(self.toes_down, points, FOLLOWS, around.dt);
+        let flat_sole = self.landing.over_edge || down > 0.5;
+        self.flatten.step(if flat_sole { 1.0 } else { 0.0 }, 0.05, around.dt);
         self.base = self.flight.takeoff.y + (landing.y - self.flight.takeoff.y) * done;
         let normal = self.align * Vec3::Y;
         let over = self.flight.way.lift(ball, self.flight.share);

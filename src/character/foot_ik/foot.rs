@@ -13,11 +13,11 @@ use super::{
     ground::{Footprint, Plane, Probe},
     landing::{Landing, print_at},
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
-    turns::{flattening, limited_align},
+    turns::{flattening, limited_align, toes_down},
 };
 use crate::math::{
-    rotation::{from_scaled_axis, heading, wrap_angle},
-    spring::{Spring, damp_quat, remaining},
+    rotation::{from_scaled_axis, heading, twist_angle, wrap_angle},
+    spring::{Spring, damp, damp_quat, remaining},
 };
 
 /// Which point of the sole a planted foot turns about.
@@ -64,7 +64,7 @@ pub struct Plant {
     pub anchor_ground: Vec3,
     /// The ground's normal in its own frame.
     pub normal_ground: Vec3,
-    /// Heading of the foot in the ground's frame, radians.
+    /// Heading of the foot, radians, as seen from the ground's own turn about +Y.
     pub yaw_ground: f32,
 }
 
@@ -106,6 +106,10 @@ pub struct FootState {
     pub(super) align: Quat,
     /// How far a heel strike is flattened, 0..1, since the heel would land over an edge.
     pub(super) flatten: Spring<f32>,
+    /// Radians by which the toes point down to reach a lower step.
+    pub(super) toes_down: f32,
+    /// How much of its weight the forefoot bears, 0..1: as far its heel may lift.
+    pub(super) forefoot: f32,
     /// World height, under the ball, of the ground that carries the foot; in the air of the way to the next.
     pub(super) base: f32,
     /// Metres by which a planted foot still is over its ground.
@@ -119,8 +123,9 @@ pub struct FootState {
     to_tip: Vec3,
     /// Angle in radians by which the heel is lifted so that the leg reaches.
     pub heel: f32,
-    /// Whether it has run before.
+    /// Whether it has run before, and whether it was in the air without ground then.
     awake: bool,
+    free: bool,
 }
 
 impl FootState {
@@ -142,8 +147,8 @@ impl FootState {
     /// How far its heel may lift to reach, 0..1: on its forefoot, and when it has just left the ground.
     pub(super) fn heel_may_lift(&self) -> f32 {
         match self.mode {
-            Mode::Planted(plant) => f32::from(u8::from(plant.pivot != Pivot::Heel)),
-            _ => 1.0 - ease((self.flight.share() / REACHES_BACK).min(1.0)),
+            Mode::Planted(_) => self.forefoot,
+            _ => self.forefoot * (1.0 - ease(((self.flight.share() - REACHES_BACK) / REACHES_BACK).clamp(0.0, 1.0))),
         }
     }
 
@@ -171,10 +176,31 @@ impl FootState {
         placed
     }
 
+    /// One frame in the air, without ground: the foot is where the clip has it.
+    pub(super) fn fly_free(&mut self, foot: &AnimatedFoot, dt: f32) {
+        let carry = self.carry;
+        self.reset();
+        self.carry = carry;
+        self.carry.note(foot.clip_ankle, dt);
+        self.free = true;
+    }
+
     fn wake<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
         let hit = around.reach.at(around.probe, foot.ball);
         let height = hit.map_or(foot.floor, |hit| hit.point.y);
         self.awake = true;
+        if core::mem::take(&mut self.free) {
+            // Out of the air it comes down from where it is.
+            let lowest = foot.heel.y.min(foot.ball.y).min(foot.tip.y);
+            self.above = (lowest - height).max(0.0);
+            self.base = height;
+            self.placed_ball = foot.ball;
+            self.flight = Flight::from(self, foot);
+            if foot.contact > 0.5 || around.halts {
+                self.finish_step(foot, 0.0);
+            }
+            return;
+        }
         self.base = height;
         self.placed_ball = foot.ball.with_y(height);
         self.align = hit.map_or(Quat::IDENTITY, |hit| limited_align(hit.normal, foot.forward, around.config));
@@ -195,7 +221,12 @@ impl FootState {
                     return self.release(Release::LostGround, foot, around);
                 };
                 if foot.contact < 0.5 {
-                    return self.release(Release::ContactEnded, foot, around);
+                    // Who stops makes the last step himself: a swing that fades would only drag the foot.
+                    return if around.halts {
+                        self.begin_step(Release::ContactEnded, foot, around);
+                    } else {
+                        self.release(Release::ContactEnded, foot, around);
+                    };
                 }
                 let error = flat(anchor - foot.point(plant.pivot)).length();
                 let turned = self.yaw_offset.abs();
@@ -212,14 +243,18 @@ impl FootState {
                     self.begin_step(Release::Restep, foot, around);
                 }
             }
-            Mode::Swing if foot.contact >= 0.5 => {
+            Mode::Swing if foot.contact >= 0.5 || around.halts => {
                 let aside = flat(self.placed_ball - self.landing.place).length();
                 let amid = self.flight.share() < NEARLY && (self.above > DOWN || aside > THERE);
-                if amid { self.finish_step(foot, aside) } else { self.lock(foot, around) }
+                if amid {
+                    self.finish_step(foot, aside);
+                } else if foot.contact >= 0.5 {
+                    self.lock(foot, around);
+                }
             }
             Mode::Swing => {}
             Mode::Stepping { elapsed, seconds } => {
-                if foot.contact < 0.5 {
+                if foot.contact < 0.5 && !around.halts {
                     self.mode = Mode::Swing;
                     self.landing = Landing::default();
                     self.flight = Flight::from(self, foot);
@@ -259,13 +294,16 @@ impl FootState {
         around: &Surroundings<'_, P, G>,
     ) {
         self.release(why, foot, around);
-        let far = flat(self.placed_ball - foot.ball).length() * UNHURRIED;
+        let aside = flat(self.placed_ball - foot.ball).length();
+        let far = aside * UNHURRIED;
+        let turned = (self.yaw_offset.abs() / RESTEP_YAW).min(1.0);
+        self.flight.arc = ease((aside / FULL_ARC).min(1.0)).max(ease(turned)).max(LEAST_ARC);
         self.mode = Mode::Stepping { elapsed: 0.0, seconds: around.config.step_time.max(HURRY).max(far) };
     }
 
     /// The clip stands while the foot is still in the air: it comes down by a step of its own.
     fn finish_step(&mut self, foot: &AnimatedFoot, aside: f32) {
-        let seconds = (HURRY + UNHURRIED * aside + self.above).min(LONGEST_FINISH);
+        let seconds = (SHORTEST_FINISH + UNHURRIED * aside + FALLS * self.above).min(LONGEST_FINISH);
         self.mode = Mode::Stepping { elapsed: 0.0, seconds };
         self.landing = Landing::default();
         self.flight = Flight::from(self, foot);
@@ -313,7 +351,7 @@ impl FootState {
             ground: hit.entity,
             anchor_ground: into * point.with_y(plane.height(point)),
             normal_ground: into.rotation * normal,
-            yaw_ground: heading(into.rotation * facing),
+            yaw_ground: wrap_angle(heading(facing) - twist_angle(frame.rotation, Vec3::Y)),
         });
     }
 
@@ -327,10 +365,14 @@ impl FootState {
         let frame = around.frames.frame(plant.ground).unwrap_or(Isometry3d::IDENTITY);
         let anchor = frame * plant.anchor_ground;
         let normal = frame.rotation * plant.normal_ground;
-        let held = frame.rotation * (from_scaled_axis(Vec3::Y * plant.yaw_ground) * Vec3::NEG_Z);
-        self.yaw_offset = wrap_angle(heading(held) - heading(foot.forward));
+        let held = twist_angle(frame.rotation, Vec3::Y) + plant.yaw_ground;
+        self.yaw_offset = wrap_angle(held - heading(foot.forward));
         // The clip brings the forefoot down by itself.
         self.flatten.step(self.flatten.value.round(), 0.05, dt);
+        self.toes_down *= remaining(HEEL_DOWN, dt);
+        // A foot that has just come down takes its weight by and by.
+        let bears = if plant.pivot == Pivot::Heel { 0.0 } else { 1.0 };
+        self.forefoot = damp(self.forefoot, bears, TAKES_WEIGHT, dt);
         // A landing that was foreseen wrongly sinks or rises onto its ground within a few frames.
         self.over = self.over.max(-0.002) * remaining(SETTLE, dt);
         let target = limited_align(normal, foot.forward, around.config);
@@ -372,7 +414,8 @@ impl FootState {
     pub(super) fn place(&mut self, foot: &AnimatedFoot, held: Option<(Pivot, Vec3)>, plane: Plane) -> PlacedFoot {
         let turn = (self.align
             * from_scaled_axis(Vec3::Y * self.yaw_offset)
-            * flattening(foot, self.flatten.value.clamp(0.0, 1.0)))
+            * flattening(foot, self.flatten.value.clamp(0.0, 1.0))
+            * toes_down(foot, self.toes_down))
         .normalize();
         let [heel, ball, tip] = [foot.heel, foot.ball, foot.tip].map(|point| turn * (point - foot.ankle));
         let place = match held {
@@ -413,9 +456,12 @@ const PATIENCE: f32 = 1.5;
 const RESTEP_YAW: f32 = 0.35;
 /// Seconds that a metre of a correcting step takes at least.
 const UNHURRIED: f32 = 1.4;
-/// Seconds of the shortest step, and of the longest one that finishes what a clip began.
+/// Seconds of the shortest step.
 const HURRY: f32 = 0.2;
+/// Seconds of the shortest and the longest step that finishes what a clip began, and those that a metre of height takes.
+const SHORTEST_FINISH: f32 = 0.1;
 const LONGEST_FINISH: f32 = 0.4;
+const FALLS: f32 = 1.5;
 /// Metres over its ground, and aside of it, within which a foot counts as landed when its clip stands.
 const DOWN: f32 = 0.03;
 const THERE: f32 = 0.08;
@@ -423,8 +469,14 @@ const THERE: f32 = 0.08;
 const NEARLY: f32 = 0.85;
 /// Metres of a step from which on it is lifted by the whole step height.
 const FULL_ARC: f32 = 0.15;
-/// Share of the time in the air in which a foot that is left behind still lifts its heel to reach.
-const REACHES_BACK: f32 = 0.5;
+/// Share of the step height that any step is lifted by.
+const LEAST_ARC: f32 = 0.3;
+/// Share of the time in the air in which a foot that is left behind still lifts its heel to reach; as long again it less
+/// and less does.
+const REACHES_BACK: f32 = 0.4;
+/// Half-lives in seconds: in which a heel comes down after a landing on the toes, and in which a foot takes its weight.
+const HEEL_DOWN: f32 = 0.05;
+const TAKES_WEIGHT: f32 = 0.06;
 /// Half-life in seconds in which a foot that came down over or under its ground settles onto it.
 const SETTLE: f32 = 0.02;
 

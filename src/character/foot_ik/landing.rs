@@ -6,7 +6,7 @@
 use bevy::prelude::*;
 
 use super::{
-    ground::{Footprint, Probe, find_room, footprint},
+    ground::{Footprint, Plane, Probe, find_room, footprint},
     surroundings::{GroundFrames, Surroundings},
     turns::limited_align,
 };
@@ -22,6 +22,9 @@ const FOLLOW: f32 = 0.05;
 const NEAR: f32 = 0.05;
 /// Metres under the heel from which on a landing hangs over an edge.
 const EDGE: f32 = 0.025;
+
+/// A lower step: from which height on, metres, a foot reaches for it with its toes, and by how much higher it does so fully.
+const STEP_DOWN: (f32, f32) = (0.06, 0.1);
 
 /// Where a foot will come down.
 #[derive(Clone, Copy, Debug, Default)]
@@ -86,6 +89,13 @@ impl Landing {
             self.wanted_shift = 0.0;
         }
         self.place = (self.settled.unwrap_or(ball) + forward * self.shift).with_y(self.height.value);
+    }
+
+    /// How far, 0..1, the place is a step down from ground at `takeoff`, rather than further down one slope.
+    pub(super) fn step_down(&self, takeoff: Vec3) -> f32 {
+        let (least, more) = STEP_DOWN;
+        let plane = Plane { point: self.place, normal: self.align * Vec3::Y };
+        ((takeoff.y - plane.height(takeoff) - least) / more).clamp(0.0, 1.0)
     }
 
     /// The footprint that carries a foot whose ball came down at `ball`: the one that was planned, if it is that.

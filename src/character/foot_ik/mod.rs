@@ -44,6 +44,8 @@ const TUNED_LEG: f32 = 0.875;
 const HEEL_SLACK: f32 = 0.02;
 /// Half-life in seconds in which a heel that needn't be lifted any more comes down.
 const HEEL_HALF_LIFE: f32 = 0.05;
+/// Weight of the effect below which a character that comes to the ground lands.
+const LANDS_BELOW: f32 = 0.5;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.3;
 
@@ -139,17 +141,25 @@ impl FootIk {
         let grounded = body.motion.ground.is_some() || body.motion.air_time < 0.1;
         let goal = if config.enabled && grounded { 1.0 } else { 0.0 };
         self.weight = damp(self.weight, goal, config.air_half_life, body.dt);
-        if body.motion.teleports != self.teleports || self.weight < 0.01 {
+        let animated = [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side]));
+        if body.motion.teleports != self.teleports {
             self.teleports = body.motion.teleports;
             self.reset();
+        } else if goal > 0.0 && self.weight < LANDS_BELOW && self.placed == [None; 2] {
+            // Out of the air: feet go down from where they are, and the pelvis goes on falling as it did.
+            self.weight = 1.0;
+            self.pelvis.fall(body.motion.landing_speed);
         }
         if self.weight < 0.01 {
             self.placed = [None; 2];
             self.legs = [LegResult::default(); 2];
+            self.pelvis.reset();
+            for (foot, animated) in self.feet.iter_mut().zip(&animated) {
+                foot.fly_free(animated, body.dt);
+            }
             return;
         }
         let config = &scaled(config, body.asset.leg_length / TUNED_LEG);
-        let animated = [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side]));
         let placed = [0, 1].map(|side| {
             let around = Surroundings {
                 probe,
@@ -159,6 +169,7 @@ impl FootIk {
                 config,
                 dt: body.dt,
                 other_holds: self.feet[1 - side].plant().is_some(),
+                halts: body.halts(),
                 may_restep: body.stands(),
             };
             self.feet[side].advance(&animated[side], &around)
@@ -216,6 +227,12 @@ impl Body<'_> {
     fn stands(&self) -> bool {
         let speed = Vec2::new(self.motion.ground_velocity.x, self.motion.ground_velocity.z).length();
         speed < 0.15 && self.locomotion.cues.iter().all(|cue| cue.contact > 0.9)
+    }
+
+    /// What plays from now on doesn't step.
+    fn halts(&self) -> bool {
+        let machine = &self.locomotion.machine;
+        machine.is_empty() || !machine.steps(machine.current())
     }
 
     fn reach(&self, config: &FootIkConfig) -> Reach {

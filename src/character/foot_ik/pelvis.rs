@@ -41,7 +41,15 @@ pub struct PelvisState {
     /// World height of the ground that the body rides over; `None` before the first frame.
     ground: Option<Spring<f32>>,
     offset: f32,
+    /// What is left of a fall: metres below, and speed.
+    fall: Spring<f32>,
 }
+
+/// How fast legs stop a fall, m/s²; with gravity that is a force of some six body weights, as in landings from half a metre
+/// (McNitt-Gray, "Kinetics of the lower extremities during drop landings", J. Biomech. 26, 1993).
+const STOPS: f32 = 45.0;
+/// Half-life in seconds in which the body rises again after a fall.
+const RECOVERS: f32 = 0.2;
 
 impl PelvisState {
     /// Metres by which the pelvis stands above (below: negative) the clip's, as the root carries it.
@@ -53,6 +61,24 @@ impl PelvisState {
     /// Forgets everything; the pelvis starts from the clip.
     pub fn reset(&mut self) {
         *self = Self::default();
+    }
+
+    /// The body has come to the ground at `speed` m/s downward: legs bend to stop it.
+    pub(super) fn fall(&mut self, speed: f32) {
+        self.fall = Spring { value: self.fall.value, velocity: -speed.max(0.0) };
+    }
+
+    /// Metres that the pelvis stands lower by what is left of a fall.
+    fn stop_fall(&mut self, most: f32, dt: f32) -> f32 {
+        if self.fall.velocity < -STOPS * dt {
+            let before = self.fall.velocity;
+            self.fall.velocity += STOPS * dt;
+            self.fall.value += 0.5 * (before + self.fall.velocity) * dt;
+        } else {
+            self.fall.step(0.0, RECOVERS, dt);
+        }
+        self.fall.value = self.fall.value.max(-most);
+        self.fall.value
     }
 
     /// One frame: rides over `ground`, with the root at the world height `floor`.
@@ -71,7 +97,7 @@ impl PelvisState {
         let wanted = drop_for(&raised, config) * weight;
         let half_life = if wanted < self.drop.value { 1.0 } else { RISE_SLOWER } * config.pelvis_half_life;
         self.drop.step(wanted, half_life, dt);
-        self.offset = carried + self.drop.value;
+        self.offset = carried + self.drop.value + self.stop_fall(most, dt);
         self.offset
     }
 }

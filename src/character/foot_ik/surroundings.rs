@@ -71,12 +71,14 @@ pub struct Surroundings<'a, P, G> {
     pub dt: f32,
     /// Whether the other foot holds the ground.
     pub other_holds: bool,
+    /// Whether what plays from now on doesn't step: feet in the air come down by themselves.
+    pub halts: bool,
     /// Whether the character stands, so that the foot may correct its place.
     pub may_restep: bool,
 }
 
 /// Where the foot shall be.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedFoot {
     /// Ankle joint, world.
     pub ankle: Vec3,

@@ -77,6 +77,15 @@ impl Way {
         }
     }
 
+    /// Metres by which the first things in the way, within a foot's length before the toes, stand over the line.
+    pub(super) fn ahead(&self) -> f32 {
+        let near = 2.0 * self.heel;
+        (0..PLACES)
+            .filter(|place| self.apart * *place as f32 - self.heel < near)
+            .map(|at| self.lifts[at])
+            .fold(0.0, f32::max)
+    }
+
     /// Metres by which a foot with its ball at `ball` flies over the line, `share` (0..1) of its time in the air passed.
     ///
     /// At once as high as the highest thing ahead asks, and lower behind it.

@@ -23,6 +23,9 @@ pub(super) struct MotionBody {
     pub(super) frame_velocity: Vec3,
     /// The ground stood on.
     pub(super) support: Option<Support>,
+    /// Rise over run to where the next stride may land; the same or that of the ground below, smoothed.
+    pub(super) ahead: f32,
+    pub(super) grade: f32,
     /// The rigid body stood on, or last stood on.
     pub(super) ground: Option<Entity>,
     /// Where on that body the character stands.
@@ -56,6 +59,8 @@ impl Default for MotionBody {
             yaw: Spring::at(0.0),
             velocity: Vec3::ZERO,
             frame_velocity: Vec3::ZERO,
+            ahead: 0.0,
+            grade: 0.0,
             support: None,
             ground: None,
             anchor: None,

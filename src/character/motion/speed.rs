@@ -1,6 +1,6 @@
 //! How velocity follows what is wanted. Pure; horizontal vectors, m/s.
 
-use bevy::math::{Vec2, Vec3};
+use bevy::math::{Vec2, Vec3, ops};
 
 use crate::math::rotation::direction_or;
 
@@ -31,6 +31,19 @@ pub(super) fn approach_velocity(current: Vec3, wanted: Vec3, rates: SpeedRates, 
     if distance <= step { wanted } else { current + way * (step / distance) }
 }
 
+/// `wanted` as fast as a body goes up or down a `grade` (rise over run): what is beyond `walk` m/s dwindles by
+/// e^(-`slowing` · |grade|).
+///
+/// The form is Tobler's hiking function (Tobler, "Three presentations on geographical analysis and modeling", 1993).
+#[must_use]
+pub(super) fn slowed_by_grade(wanted: Vec3, walk: f32, grade: f32, slowing: f32) -> Vec3 {
+    let speed = wanted.length();
+    if speed <= walk || slowing <= 0.0 {
+        return wanted;
+    }
+    wanted * ((walk + (speed - walk) * ops::exp(-slowing * grade.abs())) / speed)
+}
+
 /// `wanted` cut to the ellipse of speeds that a body facing `facing` reaches: `ahead` m/s forward, `aside` m/s to the sides
 /// and backward. A body that faces nowhere is not limited.
 #[must_use]
@@ -52,6 +65,14 @@ mod tests {
     use proptest::prelude::*;
 
     const RATES: SpeedRates = SpeedRates { accelerate: 8.0, brake: 12.0, reverse: 16.0 };
+
+    #[test]
+    fn slopes_slow_a_run_and_no_walk() {
+        let at = |speed: f32, grade: f32| slowed_by_grade(Vec3::X * speed, 1.4, grade, 1.0).x;
+        assert!((at(1.4, 0.6) - 1.4).abs() < 1e-6, "walks at {} m/s", at(1.4, 0.6));
+        assert!((at(3.5, 0.0) - 3.5).abs() < 1e-6 && (at(3.5, 0.4) - at(3.5, -0.4)).abs() < 1e-6);
+        assert!((2.5..2.6).contains(&at(3.5, 0.6)), "runs up 30° at {} m/s", at(3.5, 0.6));
+    }
 
     /// Seconds until `fraction` of `speed` is reached from rest.
     fn time_to(fraction: f32, speed: f32) -> f32 {

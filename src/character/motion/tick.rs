@@ -13,17 +13,17 @@ use super::{
     planes::Planes,
     report::{follow_ground, refuse_nonsense, report},
     slide::Slider,
-    slope::limit_cos,
+    slope::{limit_cos, rise_along},
     space::View,
-    speed::{SpeedRates, approach_velocity},
+    speed::{SpeedRates, approach_velocity, slowed_by_grade},
     turn::{TurnRates, turn_toward, way_round},
     walk::walk,
 };
 use crate::{
     character::intent::MoveIntent,
     math::{
-        rotation::{heading, twist_angle, wrap_angle},
-        spring::Spring,
+        rotation::{direction_or, heading, twist_angle, wrap_angle},
+        spring::{Spring, damp},
     },
     rig::tuning::motion::MotionConfig,
 };
@@ -45,6 +45,9 @@ const TURNING_SPEED: f32 = 0.1;
 
 /// Seconds in which a stride lands: so far ahead the way is looked at.
 const STRIDE_SECONDS: f32 = 0.5;
+
+/// Half-life in seconds over which a grade slows a run.
+const GRADE_HALF_LIFE: f32 = 0.15;
 
 /// Rise over run beyond which a stride doesn't land: steep stairs have 0.9.
 const STEEPEST: f32 = 0.95;
@@ -74,7 +77,8 @@ impl Tick<'_> {
         self.board(body, travelled.before.is_none());
         refuse_nonsense(body, self.view.me);
         report(body, state, self.dt);
-        state.grade_ahead = self.grade_ahead(body);
+        body.ahead = self.grade_ahead(body);
+        state.grade_ahead = body.ahead;
         body.written = Some(Written { translation: body.root(), yaw: body.yaw.value });
     }
 
@@ -270,7 +274,12 @@ impl Tick<'_> {
     fn walk(&self, body: &mut MotionBody, slider: &mut Slider) {
         let config = self.config;
         let rates = SpeedRates { accelerate: config.acceleration, brake: config.braking, reverse: config.reversal };
-        let velocity = approach_velocity(body.velocity, self.intent.velocity, rates, self.dt);
+        let rise =
+            body.support.map_or(0.0, |support| rise_along(support.normal, direction_or(body.velocity, Vec3::ZERO)));
+        let steeper = if rise.abs() > body.ahead.abs() { rise } else { body.ahead };
+        body.grade = damp(body.grade, steeper, GRADE_HALF_LIFE, self.dt);
+        let wanted = slowed_by_grade(self.intent.velocity, config.walk_speed, body.grade, config.climb_slowing);
+        let velocity = approach_velocity(body.velocity, wanted, rates, self.dt);
         let way = (body.velocity + velocity) * 0.5 * self.dt;
         slider.velocity = velocity + body.frame_velocity;
         let walked = walk(slider, body, self.shapes, self.shapes.posture(body.crouched), way);

@@ -30,6 +30,10 @@ pub struct MotionConfig {
     pub braking: f32,
     /// Rate while the wanted direction points backward, m/s². Default 16.
     pub reversal: f32,
+    /// How much a slope slows what is beyond walking speed, per unit of grade (rise over run), up and down. Default 1.5.
+    ///
+    /// 0: runs as fast over stairs as on the flat, with legs that can't follow.
+    pub climb_slowing: f32,
     /// Rate at which the intent steers in the air, m/s². Default 3.
     pub air_acceleration: f32,
     /// Half-life of the turn toward the facing, seconds. Default 0.1.
@@ -97,6 +101,7 @@ impl Default for MotionConfig {
             acceleration: 8.0,
             braking: 12.0,
             reversal: 16.0,
+            climb_slowing: 1.5,
             air_acceleration: 3.0,
             turn_half_life: 0.1,
             turn_acceleration: 4500f32.to_radians(),
@@ -160,7 +165,7 @@ impl MotionConfig {
         mended
     }
 
-    fn fields(&mut self) -> [(&'static str, &mut f32); 28] {
+    fn fields(&mut self) -> [(&'static str, &mut f32); 29] {
         [
             ("walk_speed", &mut self.walk_speed),
             ("run_speed", &mut self.run_speed),
@@ -170,6 +175,7 @@ impl MotionConfig {
             ("acceleration", &mut self.acceleration),
             ("braking", &mut self.braking),
             ("reversal", &mut self.reversal),
+            ("climb_slowing", &mut self.climb_slowing),
             ("air_acceleration", &mut self.air_acceleration),
             ("turn_half_life", &mut self.turn_half_life),
             ("turn_acceleration", &mut self.turn_acceleration),
