@@ -60,6 +60,8 @@ pub(super) struct Flight {
     way: Way,
     /// Lift out of ground that nobody foresaw, metres.
     guard: f32,
+    /// Whether it finishes what a clip began.
+    pub(super) finishes: bool,
     /// How much of the step height a step of its own is lifted by, 0..1.
     pub(super) arc: f32,
 }

@@ -147,6 +147,7 @@ impl FootState {
     /// How far its heel may lift to reach, 0..1: on its forefoot, and when it has just left the ground.
     pub(super) fn heel_may_lift(&self) -> f32 {
         match self.mode {
+            Mode::Planted(plant) if plant.pivot == Pivot::Heel => 0.0,
             Mode::Planted(_) => self.forefoot,
             _ => self.forefoot * (1.0 - ease(((self.flight.share() - REACHES_BACK) / REACHES_BACK).clamp(0.0, 1.0))),
         }
@@ -259,7 +260,7 @@ impl FootState {
                     self.landing = Landing::default();
                     self.flight = Flight::from(self, foot);
                     self.carry.begin();
-                } else if elapsed >= seconds {
+                } else if elapsed >= seconds || self.touches_down() {
                     self.lock(foot, around);
                 }
             }
@@ -308,12 +309,21 @@ impl FootState {
         self.landing = Landing::default();
         self.flight = Flight::from(self, foot);
         self.flight.arc = ease((aside / FULL_ARC).min(1.0)) * (1.0 - self.above / FULL_ARC).max(0.0);
+        self.flight.finishes = true;
         self.carry.begin();
+    }
+
+    /// A foot that finishes what its clip began is down as soon as it is there.
+    fn touches_down(&self) -> bool {
+        let aside = flat(self.placed_ball - self.landing.place).length();
+        self.flight.finishes && self.above < TOUCHES && aside < THERE
     }
 
     /// Takes hold of the ground where the foot is now.
     fn lock<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
         self.aside = flat(self.placed_ball - foot.ball).length();
+        // After a step of its own a foot takes its weight by and by.
+        self.forefoot = if matches!(self.mode, Mode::Stepping { .. }) { 0.0 } else { 1.0 };
         let heel_first = foot.heel.y < foot.ball.y - 0.004 && self.flatten.value < 0.5;
         self.plant_at(if heel_first { Pivot::Heel } else { Pivot::Ball }, foot, around);
     }
@@ -370,9 +380,7 @@ impl FootState {
         // The clip brings the forefoot down by itself.
         self.flatten.step(self.flatten.value.round(), 0.05, dt);
         self.toes_down *= remaining(HEEL_DOWN, dt);
-        // A foot that has just come down takes its weight by and by.
-        let bears = if plant.pivot == Pivot::Heel { 0.0 } else { 1.0 };
-        self.forefoot = damp(self.forefoot, bears, TAKES_WEIGHT, dt);
+        self.forefoot = damp(self.forefoot, 1.0, TAKES_WEIGHT, dt);
         // A landing that was foreseen wrongly sinks or rises onto its ground within a few frames.
         self.over = self.over.max(-0.002) * remaining(SETTLE, dt);
         let target = limited_align(normal, foot.forward, around.config);
@@ -455,7 +463,7 @@ const PATIENCE: f32 = 1.5;
 /// Turn in radians against a standing body from which a foot steps round: 20°.
 const RESTEP_YAW: f32 = 0.35;
 /// Seconds that a metre of a correcting step takes at least.
-const UNHURRIED: f32 = 1.4;
+const UNHURRIED: f32 = 1.8;
 /// Seconds of the shortest step.
 const HURRY: f32 = 0.2;
 /// Seconds of the shortest and the longest step that finishes what a clip began, and those that a metre of height takes.
@@ -463,6 +471,7 @@ const SHORTEST_FINISH: f32 = 0.1;
 const LONGEST_FINISH: f32 = 0.4;
 const FALLS: f32 = 1.5;
 /// Metres over its ground, and aside of it, within which a foot counts as landed when its clip stands.
+const TOUCHES: f32 = 0.003;
 const DOWN: f32 = 0.03;
 const THERE: f32 = 0.08;
 /// Share of its time in the air from which on a foot counts as landed when its clip stands.

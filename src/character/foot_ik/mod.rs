@@ -148,12 +148,12 @@ impl FootIk {
         } else if goal > 0.0 && self.weight < LANDS_BELOW && self.placed == [None; 2] {
             // Out of the air: feet go down from where they are, and the pelvis goes on falling as it did.
             self.weight = 1.0;
-            self.pelvis.fall(body.motion.landing_speed);
+            self.pelvis.land();
         }
         if self.weight < 0.01 {
             self.placed = [None; 2];
             self.legs = [LegResult::default(); 2];
-            self.pelvis.reset();
+            self.pelvis.fly_free(body.hips(pose), body.dt);
             for (foot, animated) in self.feet.iter_mut().zip(&animated) {
                 foot.fly_free(animated, body.dt);
             }
@@ -214,8 +214,8 @@ impl FootIk {
                 body.landed(now, landing, seconds, then, &animated[side])
             })
         });
-        let frame = PelvisFrame { weight: self.weight, config, dt: body.dt };
-        let offset = self.pelvis.advance(&legs, ride, root.y, &frame);
+        let frame = PelvisFrame { floor: root.y, hips: body.hips(pose), weight: self.weight, config, dt: body.dt };
+        let offset = self.pelvis.advance(&legs, ride, &frame);
         if offset.abs() > 1e-6 {
             shift_joint(&mut pose.pose, &body.asset.skeleton, body.asset.hips, Vec3::Y * offset);
         }
@@ -227,6 +227,11 @@ impl Body<'_> {
     fn stands(&self) -> bool {
         let speed = Vec2::new(self.motion.ground_velocity.x, self.motion.ground_velocity.z).length();
         speed < 0.15 && self.locomotion.cues.iter().all(|cue| cue.contact > 0.9)
+    }
+
+    /// World height of the hips joint.
+    fn hips(&self, pose: &CharacterPose) -> f32 {
+        (self.root.to_isometry() * pose.pose.position(self.asset.hips)).y
     }
 
     /// What plays from now on doesn't step.

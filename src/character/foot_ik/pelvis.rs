@@ -41,13 +41,27 @@ pub struct PelvisState {
     /// World height of the ground that the body rides over; `None` before the first frame.
     ground: Option<Spring<f32>>,
     offset: f32,
-    /// What is left of a fall: metres below, and speed.
-    fall: Spring<f32>,
+    /// World height of the final hips joint in the last frame, and its speed.
+    hips: Option<Spring<f32>>,
+    fall: Fall,
 }
 
-/// How fast legs stop a fall, m/s²; with gravity that is a force of some six body weights, as in landings from half a metre
+/// A fall that the legs stop: the offset from where the pelvis would be without it.
+#[derive(Clone, Copy, Debug, Default)]
+enum Fall {
+    #[default]
+    Over,
+    /// The body has just come to the ground.
+    Landed,
+    /// Seen once, with the hips' height without the fall.
+    Seen { offset: f32, hips: f32 },
+    /// Metres below (negative), and speed.
+    Stops(Spring<f32>),
+}
+
+/// How fast legs stop a fall, m/s²; with gravity and what the clip stops a force of some five body weights, as in landings from half a metre
 /// (McNitt-Gray, "Kinetics of the lower extremities during drop landings", J. Biomech. 26, 1993).
-const STOPS: f32 = 45.0;
+const STOPS: f32 = 32.0;
 /// Half-life in seconds in which the body rises again after a fall.
 const RECOVERS: f32 = 0.2;
 
@@ -63,27 +77,59 @@ impl PelvisState {
         *self = Self::default();
     }
 
-    /// The body has come to the ground at `speed` m/s downward: legs bend to stop it.
-    pub(super) fn fall(&mut self, speed: f32) {
-        self.fall = Spring { value: self.fall.value, velocity: -speed.max(0.0) };
+    /// The body has come to the ground: legs bend to stop it.
+    pub(super) fn land(&mut self) {
+        self.fall = Fall::Landed;
     }
 
-    /// Metres that the pelvis stands lower by what is left of a fall.
-    fn stop_fall(&mut self, most: f32, dt: f32) -> f32 {
-        if self.fall.velocity < -STOPS * dt {
-            let before = self.fall.velocity;
-            self.fall.velocity += STOPS * dt;
-            self.fall.value += 0.5 * (before + self.fall.velocity) * dt;
-        } else {
-            self.fall.step(0.0, RECOVERS, dt);
+    /// One frame in the air, without ground, the hips joint at the world height `hips`.
+    pub(super) fn fly_free(&mut self, hips: f32, dt: f32) {
+        *self = Self { hips: self.hips, ..Self::default() };
+        self.note(hips, dt);
+    }
+
+    /// Notes where the final hips joint is in this frame, world height.
+    fn note(&mut self, hips: f32, dt: f32) {
+        let velocity = self.hips.map_or(0.0, |last| (hips - last.value) / dt.max(1e-4));
+        self.hips = Some(Spring { value: hips, velocity });
+    }
+
+    /// Metres by which what is left of a fall lowers hips that else were at the world height `hips`.
+    ///
+    /// The pelvis goes on as it did, then slows evenly, then comes back.
+    fn stop_fall(&mut self, hips: f32, most: f32, dt: f32) -> f32 {
+        let Some(last) = self.hips else { return 0.0 };
+        match self.fall {
+            Fall::Over => 0.0,
+            Fall::Landed => {
+                let offset = (last.value + last.velocity * dt - hips).clamp(-most, most);
+                self.fall = Fall::Seen { offset, hips };
+                offset
+            }
+            Fall::Seen { offset, hips: before } => {
+                let velocity = last.velocity - (hips - before) / dt.max(1e-4);
+                self.fall = Fall::Stops(Spring { value: offset, velocity });
+                self.stop_fall(hips, most, dt)
+            }
+            Fall::Stops(mut fall) => {
+                if fall.velocity < -STOPS * dt {
+                    let before = fall.velocity;
+                    fall.velocity += STOPS * dt;
+                    fall.value += 0.5 * (before + fall.velocity) * dt;
+                } else {
+                    fall.step(0.0, RECOVERS, dt);
+                }
+                fall.value = fall.value.max(-most);
+                let over = fall.value.abs() < 1e-4 && fall.velocity.abs() < 1e-3;
+                self.fall = if over { Fall::Over } else { Fall::Stops(fall) };
+                fall.value
+            }
         }
-        self.fall.value = self.fall.value.max(-most);
-        self.fall.value
     }
 
-    /// One frame: rides over `ground`, with the root at the world height `floor`.
-    pub fn advance(&mut self, legs: &[LegReach; 2], ground: Ride, floor: f32, frame: &PelvisFrame<'_>) -> f32 {
-        let PelvisFrame { weight, config, dt } = *frame;
+    /// One frame: rides over `ground`.
+    pub fn advance(&mut self, legs: &[LegReach; 2], ground: Ride, frame: &PelvisFrame<'_>) -> f32 {
+        let PelvisFrame { floor, hips, weight, config, dt } = *frame;
         let most = config.pelvis_drop;
         let ride = self.ground.get_or_insert(Spring { value: ground.height, velocity: ground.speed });
         // What is behind the ground, in place and speed, springs back: an even slope is followed without lag.
@@ -97,7 +143,9 @@ impl PelvisState {
         let wanted = drop_for(&raised, config) * weight;
         let half_life = if wanted < self.drop.value { 1.0 } else { RISE_SLOWER } * config.pelvis_half_life;
         self.drop.step(wanted, half_life, dt);
-        self.offset = carried + self.drop.value + self.stop_fall(most, dt);
+        let placed = carried + self.drop.value;
+        self.offset = placed + self.stop_fall(hips + placed, most, dt);
+        self.note(hips + self.offset, dt);
         self.offset
     }
 }
@@ -105,6 +153,10 @@ impl PelvisState {
 /// What a frame is for the pelvis.
 #[derive(Clone, Copy, Debug)]
 pub struct PelvisFrame<'a> {
+    /// World height of the root.
+    pub floor: f32,
+    /// World height of the animated hips joint.
+    pub hips: f32,
     /// How much of foot placement is on, 0..1.
     pub weight: f32,
     /// Tuning, scaled to the leg.
@@ -168,25 +220,43 @@ mod tests {
     fn a_hop_of_the_root_does_not_move_the_body() {
         let (config, mut pelvis) = (FootIkConfig::default(), PelvisState::default());
         let legs = [leg(0.09), leg(0.09)];
-        let frame = PelvisFrame { weight: 1.0, config: &config, dt: 1.0 / 60.0 };
-        pelvis.advance(&legs, level(0.0), 0.0, &frame);
+        let frame = PelvisFrame { floor: 0.0, hips: 0.95, weight: 1.0, config: &config, dt: 1.0 / 60.0 };
+        pelvis.advance(&legs, level(0.0), &frame);
         let after = 0.17
             + pelvis.advance(
                 &legs.map(|leg| LegReach { hip: leg.hip + Vec3::Y * 0.17, ..leg }),
                 level(0.0),
-                0.17,
-                &frame,
+                &PelvisFrame { floor: 0.17, hips: 1.12, ..frame },
             );
         assert!(after.abs() < 1e-3, "the body hopped by {after} m");
+    }
+
+    #[test]
+    fn a_fall_is_stopped_within_what_legs_bend() {
+        let (config, mut pelvis) = (FootIkConfig::default(), PelvisState::default());
+        let dt = 1.0 / 60.0;
+        let frame = PelvisFrame { floor: 0.0, hips: 0.95, weight: 1.0, config: &config, dt };
+        // From the air at 4 m/s; hips stand still in the clip.
+        let mut heights = vec![0.95 + 2.0 * 4.0 * dt, 0.95 + 4.0 * dt];
+        heights.iter().for_each(|height| pelvis.note(*height, dt));
+        pelvis.land();
+        for _ in 0..90 {
+            heights.push(0.95 + pelvis.advance(&[leg(0.09), leg(0.09)], level(0.0), &frame));
+        }
+        let stops = heights.windows(3).map(|h| (h[2] - 2.0 * h[1] + h[0]) / (dt * dt)).fold(0.0, f32::max);
+        let lowest = heights.iter().copied().fold(f32::MAX, f32::min);
+        assert!(stops < 60.0, "stopped by {stops} m/s²");
+        assert!((0.6..0.9).contains(&lowest), "sinks to {lowest} m of 0.95");
+        assert!((heights[91] - 0.95).abs() < 0.01, "stands at {} m after 1.5 s", heights[91]);
     }
 
     #[test]
     fn a_body_whose_feet_have_climbed_climbs_after_them() {
         let (config, mut pelvis) = (FootIkConfig::default(), PelvisState::default());
         let legs = [leg(0.26), leg(0.26)];
-        let frame = PelvisFrame { weight: 1.0, config: &config, dt: 1.0 / 60.0 };
-        pelvis.advance(&legs, level(0.0), 0.0, &frame);
-        let risen = (0..60).map(|_| pelvis.advance(&legs, level(0.17), 0.0, &frame)).fold(0.0, f32::max);
+        let frame = PelvisFrame { floor: 0.0, hips: 0.95, weight: 1.0, config: &config, dt: 1.0 / 60.0 };
+        pelvis.advance(&legs, level(0.0), &frame);
+        let risen = (0..60).map(|_| pelvis.advance(&legs, level(0.17), &frame)).fold(0.0, f32::max);
         assert!((risen - 0.17).abs() < 1e-3, "risen by {risen} m of 0.17");
     }
 }

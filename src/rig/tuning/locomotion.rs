@@ -15,7 +15,7 @@ pub struct LocomotionConfig {
     /// Transitions, tried in order; the first whose condition holds is taken. Default `None`: the standard ones, as far as
     /// their states exist.
     pub transitions: Option<Vec<TransitionConfig>>,
-    /// Slowest and fastest playback rate of a clip that follows the ground speed. Default (0.75, 1.25).
+    /// Slowest and fastest playback rate of a clip that follows the ground speed. Default (0.75, 1.2).
     ///
     /// Speeds beyond are reached by warping the stride. Narrow: strides shrink and stretch. Wide: legs whirl or crawl.
     pub rate_range: (f32, f32),
@@ -156,7 +156,7 @@ impl Default for LocomotionConfig {
         Self {
             states: None,
             transitions: None,
-            rate_range: (0.75, 1.25),
+            rate_range: (0.75, 1.2),
             stride_range: (0.3, 1.6),
             climb_cadence: 0.9,
             blend_half_life: 0.08,

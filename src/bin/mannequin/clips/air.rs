@@ -84,15 +84,15 @@ fn falling(phase: f64) -> Still {
             Step {
                 x: 0.125,
                 z: -0.11 + 0.03 * paddle,
-                up: 0.15 + 0.015 * paddle,
-                pitch: -34.0 + 3.0 * paddle,
+                up: 0.045 + 0.015 * paddle,
+                pitch: -30.0 + 3.0 * paddle,
                 toes: 3.0,
                 out: 10.0,
             },
             Step {
                 x: 0.130,
                 z: 0.10 - 0.03 * paddle,
-                up: 0.22 - 0.02 * paddle,
+                up: 0.07 - 0.02 * paddle,
                 pitch: -18.0 - 3.0 * paddle,
                 toes: 3.0,
                 out: 12.0,
