@@ -199,6 +199,8 @@ impl FootState {
             self.flight = Flight::from(self, foot);
             if foot.contact > 0.5 || around.halts {
                 self.finish_step(foot, 0.0);
+            } else {
+                self.carry.begin();
             }
             return;
         }

@@ -46,22 +46,20 @@ pub struct PelvisState {
     fall: Fall,
 }
 
-/// A fall that the legs stop: the offset from where the pelvis would be without it.
+/// A fall that the legs stop.
 #[derive(Clone, Copy, Debug, Default)]
 enum Fall {
     #[default]
     Over,
-    /// The body has just come to the ground.
-    Landed,
-    /// Seen once, with the hips' height without the fall.
-    Seen { offset: f32, hips: f32 },
-    /// Metres below (negative), and speed.
-    Stops(Spring<f32>),
+    /// The body has come to the ground and slows; with the height of the hips without the fall in the last frame.
+    Stops(Option<f32>),
+    /// Metres below where the hips would be without the fall (negative), and speed.
+    Recovers(Spring<f32>),
 }
 
-/// How fast legs stop a fall, m/s²; with gravity and what the clip stops a force of some five body weights, as in landings from half a metre
+/// How fast legs stop a fall, m/s²; with gravity a force of some five body weights, as in landings from half a metre
 /// (McNitt-Gray, "Kinetics of the lower extremities during drop landings", J. Biomech. 26, 1993).
-const STOPS: f32 = 32.0;
+const STOPS: f32 = 42.0;
 /// Half-life in seconds in which the body rises again after a fall.
 const RECOVERS: f32 = 0.2;
 
@@ -79,7 +77,7 @@ impl PelvisState {
 
     /// The body has come to the ground: legs bend to stop it.
     pub(super) fn land(&mut self) {
-        self.fall = Fall::Landed;
+        self.fall = Fall::Stops(None);
     }
 
     /// One frame in the air, without ground, the hips joint at the world height `hips`.
@@ -101,27 +99,20 @@ impl PelvisState {
         let Some(last) = self.hips else { return 0.0 };
         match self.fall {
             Fall::Over => 0.0,
-            Fall::Landed => {
-                let offset = (last.value + last.velocity * dt - hips).clamp(-most, most);
-                self.fall = Fall::Seen { offset, hips };
+            Fall::Stops(before) => {
+                let speed = last.velocity + STOPS * dt;
+                let offset = (last.value + 0.5 * (last.velocity + speed) * dt - hips).max(-most);
+                let own = before.map(|before| (hips - before) / dt.max(1e-4));
+                self.fall = match own.filter(|own| speed >= *own) {
+                    Some(own) => Fall::Recovers(Spring { value: offset, velocity: speed - own }),
+                    None => Fall::Stops(Some(hips)),
+                };
                 offset
             }
-            Fall::Seen { offset, hips: before } => {
-                let velocity = last.velocity - (hips - before) / dt.max(1e-4);
-                self.fall = Fall::Stops(Spring { value: offset, velocity });
-                self.stop_fall(hips, most, dt)
-            }
-            Fall::Stops(mut fall) => {
-                if fall.velocity < -STOPS * dt {
-                    let before = fall.velocity;
-                    fall.velocity += STOPS * dt;
-                    fall.value += 0.5 * (before + fall.velocity) * dt;
-                } else {
-                    fall.step(0.0, RECOVERS, dt);
-                }
-                fall.value = fall.value.max(-most);
+            Fall::Recovers(mut fall) => {
+                fall.step(0.0, RECOVERS, dt);
                 let over = fall.value.abs() < 1e-4 && fall.velocity.abs() < 1e-3;
-                self.fall = if over { Fall::Over } else { Fall::Stops(fall) };
+                self.fall = if over { Fall::Over } else { Fall::Recovers(fall) };
                 fall.value
             }
         }

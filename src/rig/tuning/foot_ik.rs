@@ -47,7 +47,7 @@ pub struct FootIkConfig {
     pub pelvis_half_life: f32,
     /// Leg extension, as a fraction of the leg, that the pelvis keeps in reserve. Default 0.97.
     pub pelvis_extension: f32,
-    /// Extension from which a leg resists, and the most it reaches. Defaults 0.97 and 0.995.
+    /// Extension from which a leg resists, and the most it reaches. Defaults 0.98 and 0.995.
     pub extension: (f32, f32),
     /// Half-life of the foot's turn to the ground's slope, seconds. Default 0.06.
     pub align_half_life: f32,
@@ -79,7 +79,7 @@ impl Default for FootIkConfig {
             pelvis_drop: 0.4,
             pelvis_half_life: 0.09,
             pelvis_extension: 0.97,
-            extension: (0.97, 0.995),
+            extension: (0.98, 0.995),
             align_half_life: 0.06,
             pitch_limit: 35f32.to_radians(),
             roll_limit: 20f32.to_radians(),
