@@ -37,6 +37,11 @@ impl Carry {
         self.phase = Phase::Begun;
     }
 
+    /// Forgets that it falls: its ground has come to meet it.
+    pub(super) fn stop_falling(&mut self) {
+        self.velocity.y = self.velocity.y.max(0.0);
+    }
+
     /// Notes where the point was put in this frame.
     pub(super) fn note(&mut self, place: Vec3, dt: f32) {
         self.velocity = self.place.map_or(Vec3::ZERO, |last| (place - last) / dt.max(1e-4));

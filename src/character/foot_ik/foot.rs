@@ -202,6 +202,7 @@ impl FootState {
             } else {
                 self.carry.begin();
             }
+            self.carry.stop_falling();
             return;
         }
         self.base = height;

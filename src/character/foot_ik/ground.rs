@@ -94,6 +94,8 @@ const TOLERATED: f32 = 0.004;
 const SHIFT_STEP: f32 = 0.02;
 /// Metres of unevenness under a sole that a pitch of the foot takes up; more is an edge.
 const PITCHED: f32 = 0.06;
+/// Metres by which a foot that finds no room is propped up at one end rather than sunk in.
+const PROPPED: f32 = 0.16;
 /// Metres before and behind the ball that must still carry it: toes and heel may hang over an edge, the ball not.
 const FOOTING: f32 = 0.03;
 /// Metres that toes keep from a riser ahead, so that they clear it when they lift.
@@ -110,13 +112,16 @@ pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, so
     let mut slope = rise_of(under_ball.normal);
     let worst =
         over(slope).into_iter().fold((0.0, 0.0f32), |worst, point| if point.1 > worst.1 { point } else { worst });
-    if worst.1 > 0.0 && worst.1 < PITCHED {
+    let level = slope;
+    if worst.1 > 0.0 && worst.1 < PROPPED {
         slope += worst.1 / worst.0;
     }
+    // What takes more than a bit of pitch is no room, but the best that a foot makes of it.
+    let judged = if worst.1 < PITCHED { slope } else { level };
     let riser = ground(sole.tip + TOE_ROOM) - under_ball.point.y - slope * (sole.tip + TOE_ROOM);
     let drop = |along: f32| under_ball.point.y + slope * along - ground(along);
     let edge = drop(FOOTING).max(drop(-FOOTING));
-    let stuck = over(slope).into_iter().map(|point| point.1).fold(0.0, f32::max);
+    let stuck = over(judged).into_iter().map(|point| point.1).fold(0.0, f32::max);
     // On the brink is bad, in a riser worse.
     let stuck = if edge > PITCHED { stuck.max(2.0 * TOLERATED) } else { stuck };
     let [(_, heel), ..] = over(slope);

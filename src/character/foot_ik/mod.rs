@@ -47,7 +47,7 @@ const HEEL_HALF_LIFE: f32 = 0.05;
 /// Weight of the effect below which a character that comes to the ground lands.
 const LANDS_BELOW: f32 = 0.5;
 /// Seconds before a landing from which the pelvis prepares for it.
-const FORESIGHT: f32 = 0.3;
+const FORESIGHT: f32 = 0.4;
 
 /// Foot placement of one character: what it carries from frame to frame, and what it did.
 #[derive(Component, Clone, Debug, Default)]

@@ -51,15 +51,15 @@ pub struct PelvisState {
 enum Fall {
     #[default]
     Over,
-    /// The body has come to the ground and slows; with the height of the hips without the fall in the last frame.
-    Stops(Option<f32>),
+    /// The body has come to the ground and slows: its speed, and the height of the hips without the fall in the last frame.
+    Stops { speed: f32, own: Option<f32> },
     /// Metres below where the hips would be without the fall (negative), and speed.
     Recovers(Spring<f32>),
 }
 
-/// How fast legs stop a fall, m/s²; with gravity a force of some five body weights, as in landings from half a metre
+/// How fast legs stop a fall, m/s²; with gravity a force of some five to six body weights, as in landings from half a metre
 /// (McNitt-Gray, "Kinetics of the lower extremities during drop landings", J. Biomech. 26, 1993).
-const STOPS: f32 = 42.0;
+const STOPS: f32 = 45.0;
 /// Half-life in seconds in which the body rises again after a fall.
 const RECOVERS: f32 = 0.2;
 
@@ -77,7 +77,7 @@ impl PelvisState {
 
     /// The body has come to the ground: legs bend to stop it.
     pub(super) fn land(&mut self) {
-        self.fall = Fall::Stops(None);
+        self.fall = Fall::Stops { speed: self.hips.map_or(0.0, |hips| hips.velocity), own: None };
     }
 
     /// One frame in the air, without ground, the hips joint at the world height `hips`.
@@ -99,13 +99,13 @@ impl PelvisState {
         let Some(last) = self.hips else { return 0.0 };
         match self.fall {
             Fall::Over => 0.0,
-            Fall::Stops(before) => {
-                let speed = last.velocity + STOPS * dt;
-                let offset = (last.value + 0.5 * (last.velocity + speed) * dt - hips).max(-most);
-                let own = before.map(|before| (hips - before) / dt.max(1e-4));
+            Fall::Stops { speed: before, own } => {
+                let speed = before + STOPS * dt;
+                let offset = (last.value + 0.5 * (before + speed) * dt - hips).max(-most);
+                let own = own.map(|own| (hips - own) / dt.max(1e-4));
                 self.fall = match own.filter(|own| speed >= *own) {
                     Some(own) => Fall::Recovers(Spring { value: offset, velocity: speed - own }),
-                    None => Fall::Stops(Some(hips)),
+                    None => Fall::Stops { speed, own: Some(hips) },
                 };
                 offset
             }

@@ -23,10 +23,13 @@ pub const SHOULDER: Fourier =
     Fourier { mean: 0.0, cos: [-12.6, -4.6, -0.3, -0.2, 0.1], sin: [9.1, 4.7, 0.0, -0.4, 0.2] };
 pub const ELBOW: Fourier = Fourier { mean: 0.0, cos: [-14.7, 5.8, -0.3, 0.2, 0.0], sin: [13.0, -8.8, 1.3, 0.5, -0.1] };
 
+/// Share of the measured bounce that the clip has: on slopes the ground's own rise and fall comes on top.
+const BOUNCE: f64 = 0.92;
+
 fn trunk(phase: f64) -> Trunk {
     let hips = DVec3::new(
         wave(phase, 1.0, 0.17, 0.011),
-        rest("hips").y - 0.084 + PELVIS_HEIGHT.at(phase),
+        rest("hips").y - 0.084 + BOUNCE * PELVIS_HEIGHT.at(phase),
         wave(phase, 2.0, 0.30, 0.006),
     );
     let pelvis_turn = wave(phase, 1.0, 0.60, 3.0);
