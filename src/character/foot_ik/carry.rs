@@ -37,9 +37,12 @@ impl Carry {
         self.phase = Phase::Begun;
     }
 
-    /// Forgets that it falls: its ground has come to meet it.
-    pub(super) fn stop_falling(&mut self) {
-        self.velocity.y = self.velocity.y.max(0.0);
+    /// The body that carries it has come to the ground, `fallen` metres lower than in the last frame: it fell with it.
+    pub(super) fn land(&mut self, fallen: f32) {
+        self.velocity.y = 0.0;
+        if let Some(place) = &mut self.place {
+            place.y -= fallen;
+        }
     }
 
     /// Notes where the point was put in this frame.

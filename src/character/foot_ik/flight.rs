@@ -11,7 +11,10 @@ use super::{
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
     way::Way,
 };
-use crate::math::spring::{damp, remaining};
+use crate::math::{
+    rotation::to_scaled_axis,
+    spring::{damp, remaining},
+};
 
 /// Depth in metres to which a flying foot may graze the ground.
 const TOUCH: f32 = 0.002;
@@ -26,6 +29,9 @@ const HOLD: f32 = 0.4;
 const LATE: f32 = 0.15;
 /// Height in metres of a thing right before a foot from which on it goes up before it goes over.
 const BLOCKS: f32 = 0.1;
+/// Radians of a slope from which on a foot leaves upward before it goes forward, and the share of a swing in which it does:
+/// turned to a slope it is nearer to the ground than the clip has it.
+const TILTED: (f32, f32) = (0.1, 0.12);
 /// Most that toes point down to reach a lower step, radians: 23°, of some 50° that an ankle has (GAIT.md).
 const TOES_DOWN: f32 = 0.4;
 /// Share of a swing after which toes begin to point down, and the share over which they do.
@@ -113,7 +119,8 @@ impl Flight {
     /// ground.
     fn held(&self, ball: Vec3) -> Vec3 {
         let blocked = self.way.ahead() / BLOCKS;
-        let window = HOLD * (self.since / LATE).max(blocked).min(1.0);
+        let tilt = TILTED.1 * (to_scaled_axis(self.align).length() / TILTED.0).min(1.0);
+        let window = tilt.max(HOLD * (self.since / LATE).max(blocked).min(1.0));
         self.takeoff.lerp(ball, ease((self.share / window.max(1e-3)).min(1.0)))
     }
 
@@ -160,7 +167,7 @@ impl FootState {
         let eased = ease(((share - UP) / (1.0 - 2.0 * UP)).clamp(0.0, 1.0));
         let ball = self.flight.takeoff.lerp(self.landing.place, eased);
         let arc = 4.0 * share * (1.0 - share);
-        self.flight.lift = self.flight.arc * around.config.step_height * arc * arc;
+        self.flight.lift = self.flight.arc * around.config.step_height * arc * arc * arc;
         self.fly(ball, eased, time_left, foot, around)
     }
 
@@ -214,9 +221,10 @@ impl FootState {
     fn clear<P: Probe, G: GroundFrames>(&mut self, placed: &mut PlacedFoot, around: &Surroundings<'_, P, G>) {
         self.flight.guard *= remaining(GUARD_HALF_LIFE, around.dt);
         let mut deepest = self.flight.guard;
+        let keeps = (CLEARS + TOUCH) * self.flight.amid() - TOUCH;
         for point in placed.sole {
             if let Some(hit) = around.reach.at(around.probe, point) {
-                deepest = deepest.max(hit.point.y - point.y - TOUCH);
+                deepest = deepest.max(hit.point.y - point.y + keeps);
             }
         }
         self.flight.guard = deepest;

@@ -183,6 +183,7 @@ impl FootState {
         self.reset();
         self.carry = carry;
         self.carry.note(foot.clip_ankle, dt);
+        self.base = foot.floor;
         self.free = true;
     }
 
@@ -192,6 +193,7 @@ impl FootState {
         self.awake = true;
         if core::mem::take(&mut self.free) {
             // Out of the air it comes down from where it is.
+            self.carry.land(self.base - foot.floor);
             let lowest = foot.heel.y.min(foot.ball.y).min(foot.tip.y);
             self.above = (lowest - height).max(0.0);
             self.base = height;
@@ -202,7 +204,6 @@ impl FootState {
             } else {
                 self.carry.begin();
             }
-            self.carry.stop_falling();
             return;
         }
         self.base = height;

@@ -17,7 +17,7 @@ mod turns;
 mod way;
 
 use avian3d::prelude::*;
-use bevy::prelude::*;
+use bevy::{math::ops, prelude::*};
 
 pub use foot::{FootState, Mode, Pivot, Plant, Release};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
@@ -33,7 +33,10 @@ use super::{
 };
 use crate::{
     anim::{ik::two_bone::Extension, leg::Leg, pose::Pose},
-    math::{rotation::from_scaled_axis, spring::damp},
+    math::{
+        rotation::{direction_or, from_scaled_axis},
+        spring::damp,
+    },
     rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
 };
 
@@ -43,9 +46,12 @@ const TUNED_LEG: f32 = 0.875;
 /// Reach that the pelvis leaves to a lifted heel, as a fraction of the leg.
 const HEEL_SLACK: f32 = 0.02;
 /// Half-life in seconds in which a heel that needn't be lifted any more comes down.
-const HEEL_HALF_LIFE: f32 = 0.05;
+const HEEL_HALF_LIFE: f32 = 0.06;
 /// Weight of the effect below which a character that comes to the ground lands.
 const LANDS_BELOW: f32 = 0.5;
+/// Shares of a leg's length: the shortest that it folds to, a knee bent by 145° (clinical range: 135–150°), and that from
+/// which on it resists.
+const FOLDED: (f32, f32) = (0.3, 0.42);
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
@@ -347,11 +353,12 @@ impl Body<'_> {
         let lift = heel_turn(forward, foot.heel);
         let toes = leg.toes.map(|toes| (toes, turn_model * pose.pose.rotation(toes)));
         let rotation = lift * turn_model * pose.pose.rotation(leg.foot);
+        let target = not_folded(pose.pose.position(leg.upper), ball + lift * (ankle - ball), leg.length());
         let result = place_leg(
             &mut pose.pose,
             &self.asset.skeleton,
             joints,
-            ball + lift * (ankle - ball),
+            target,
             rotation,
             Vec3::NEG_Z,
             Extension { soft, hard: config.extension.1 },
@@ -361,6 +368,18 @@ impl Body<'_> {
         }
         result
     }
+}
+
+/// `ankle` kept so far from `hip` that the knee folds no further than a knee does; what is further away stays.
+fn not_folded(hip: Vec3, ankle: Vec3, length: f32) -> Vec3 {
+    let (least, soft) = FOLDED;
+    let away = (ankle - hip) / length;
+    let distance = away.length();
+    if distance >= soft {
+        return ankle;
+    }
+    let kept = least + (soft - least) * ops::exp((distance - soft) / (soft - least));
+    hip + direction_or(away, Vec3::NEG_Y) * (kept * length)
 }
 
 /// The same tuning for a leg `factor` times as long.

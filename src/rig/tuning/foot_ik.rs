@@ -29,7 +29,7 @@ pub struct FootIkConfig {
     pub unplant_yaw: f32,
     /// Metres a foot may stand off its idle place before it steps back. Default 0.08.
     pub restep_distance: f32,
-    /// Seconds of a correcting step. Default 0.4.
+    /// Seconds of a correcting step. Default 0.5.
     pub step_time: f32,
     /// Metres that a correcting step lifts the foot. Default 0.05.
     pub step_height: f32,
@@ -71,7 +71,7 @@ impl Default for FootIkConfig {
             unplant_radius: 0.2,
             unplant_yaw: 40f32.to_radians(),
             restep_distance: 0.08,
-            step_time: 0.4,
+            step_time: 0.5,
             step_height: 0.05,
             release_half_life: 0.08,
             clearance: 0.03,

@@ -36,7 +36,7 @@ pub struct MotionConfig {
     pub climb_slowing: f32,
     /// Rate at which the intent steers in the air, m/s². Default 3.
     pub air_acceleration: f32,
-    /// Half-life of the turn toward the facing, seconds. Default 0.1.
+    /// Half-life of the turn toward the facing, seconds. Default 0.07.
     pub turn_half_life: f32,
     /// How fast a turn may gain speed, degrees per second squared in RON. Default 4,500°.
     ///
@@ -103,7 +103,7 @@ impl Default for MotionConfig {
             reversal: 16.0,
             climb_slowing: 1.5,
             air_acceleration: 3.0,
-            turn_half_life: 0.1,
+            turn_half_life: 0.07,
             turn_acceleration: 4500f32.to_radians(),
             turn_rate: 720f32.to_radians(),
             standing_turn_rate: 120f32.to_radians(),
