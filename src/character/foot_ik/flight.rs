@@ -42,6 +42,8 @@ const FOLLOWS: f32 = 0.02;
 const LEFT: f32 = 1.0;
 /// Share of a step at both ends in which the foot only lifts or lowers.
 const UP: f32 = 0.15;
+/// Seconds that a metre of height takes in a step of its own.
+const CLIMBS: f32 = 2.0;
 /// Metres of a way that is too short to tell by place how much of it is done.
 const SHORT_WAY: f32 = 0.15;
 
@@ -156,18 +158,22 @@ impl FootState {
         foot: &AnimatedFoot,
         around: &Surroundings<'_, P, G>,
     ) -> PlacedFoot {
+        let begins = elapsed == 0.0;
         let elapsed = elapsed + around.dt;
+        self.landing.foresee(foot.ball, foot.forward, (seconds - elapsed).max(0.0), self.base, around);
+        self.look_over_the_way(foot, around);
+        // Up, down or over something takes longer.
+        let climb = (self.landing.place.y - self.flight.takeoff.y).abs().max(self.flight.way.highest());
+        let seconds = if begins { seconds + CLIMBS * climb } else { seconds };
         self.mode = Mode::Stepping { elapsed, seconds };
         let share = (elapsed / seconds).clamp(0.0, 1.0);
         self.flight.share = share;
         let time_left = (seconds - elapsed).max(0.0);
-        self.landing.foresee(foot.ball, foot.forward, time_left, self.base, around);
-        self.look_over_the_way(foot, around);
         // Up before it goes over, and down after.
         let eased = ease(((share - UP) / (1.0 - 2.0 * UP)).clamp(0.0, 1.0));
         let ball = self.flight.takeoff.lerp(self.landing.place, eased);
         let arc = 4.0 * share * (1.0 - share);
-        self.flight.lift = self.flight.arc * around.config.step_height * arc * arc * arc;
+        self.flight.lift = self.flight.arc * around.config.step_height * arc * arc;
         self.fly(ball, eased, time_left, foot, around)
     }
 

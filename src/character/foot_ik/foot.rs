@@ -250,12 +250,13 @@ impl FootState {
             }
             Mode::Swing if foot.contact >= 0.5 || around.halts => {
                 let aside = flat(self.placed_ball - self.landing.place).length();
-                let amid = self.flight.share() < NEARLY && (self.above > DOWN || aside > THERE);
-                if amid {
-                    self.finish_step(foot, aside);
-                } else if foot.contact >= 0.5 {
-                    self.lock(foot, around);
-                }
+                let off = self.above > DOWN || aside > THERE;
+                let amid = if around.halts {
+                    self.above > TOUCHES || aside > THERE
+                } else {
+                    off && self.flight.share() < NEARLY
+                };
+                if amid { self.finish_step(foot, aside) } else { self.lock(foot, around) }
             }
             Mode::Swing => {}
             Mode::Stepping { elapsed, seconds } => {

@@ -77,6 +77,11 @@ impl Way {
         }
     }
 
+    /// Metres by which the highest thing in the way stands over the line.
+    pub(super) fn highest(&self) -> f32 {
+        self.lifts.iter().copied().fold(0.0, f32::max)
+    }
+
     /// Metres by which the first things in the way, within a foot's length before the toes, stand over the line.
     pub(super) fn ahead(&self) -> f32 {
         let near = 2.0 * self.heel;

@@ -292,7 +292,9 @@ impl Machine {
         let cadence = 1.0 + self.climb_cadence * facts.grade.abs().min(STEEPEST);
         let playback = (speed / natural).clamp(self.rate_range.0, self.rate_range.1) * cadence;
         self.rate = playback * weights / duration;
-        self.stride_scale = (speed / (natural * playback)).clamp(self.stride_range.0, self.stride_range.1);
+        let scale = (speed / (natural * playback)).clamp(self.stride_range.0, self.stride_range.1);
+        // As much of it as there is of gaits: what doesn't step has no stride.
+        self.stride_scale = 1.0 + (scale - 1.0) * weights.min(1.0);
         self.phase = (self.phase + self.rate * dt).rem_euclid(1.0);
     }
 }
