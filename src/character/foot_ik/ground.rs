@@ -98,8 +98,10 @@ const PITCHED: f32 = 0.06;
 const PROPPED: f32 = 0.16;
 /// Metres before and behind the ball that must still carry it: toes and heel may hang over an edge, the ball not.
 const FOOTING: f32 = 0.03;
-/// Metres that toes keep from a riser ahead, so that they clear it when they lift.
+/// Metres that toes keep from a riser ahead, so that they clear it when they lift; and a heel from one behind, so that it
+/// clears that when it lands.
 const TOE_ROOM: f32 = 0.05;
+const HEEL_ROOM: f32 = 0.025;
 
 /// How the sole would stand with its ball over `ball`, pointing along `forward` (horizontal unit vector).
 pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, sole: SoleShape) -> Option<Footprint> {
@@ -122,8 +124,9 @@ pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, so
     let drop = |along: f32| under_ball.point.y + slope * along - ground(along);
     let edge = drop(FOOTING).max(drop(-FOOTING));
     let stuck = over(judged).into_iter().map(|point| point.1).fold(0.0, f32::max);
+    let behind = ground(-sole.heel - HEEL_ROOM) - under_ball.point.y + slope * (sole.heel + HEEL_ROOM);
     // On the brink is bad, in a riser worse.
-    let stuck = if edge > PITCHED { stuck.max(2.0 * TOLERATED) } else { stuck };
+    let stuck = if edge.max(behind) > PITCHED { stuck.max(2.0 * TOLERATED) } else { stuck };
     let [(_, heel), ..] = over(slope);
     Some(Footprint {
         ball: under_ball,
