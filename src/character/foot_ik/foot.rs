@@ -12,8 +12,9 @@ use super::{
     flight::{Flight, ease},
     ground::{Footprint, Plane, Probe},
     landing::{Landing, print_at},
+    legs::heel_turn,
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
-    turns::{flattening, limited_align, toes_down},
+    turns::{flattening, limited_align},
 };
 use crate::math::{
     rotation::{from_scaled_axis, heading, twist_angle, wrap_angle},
@@ -427,10 +428,11 @@ impl FootState {
     pub(super) fn place(&mut self, foot: &AnimatedFoot, held: Option<(Pivot, Vec3)>, plane: Plane) -> PlacedFoot {
         let turn = (self.align
             * from_scaled_axis(Vec3::Y * self.yaw_offset)
-            * flattening(foot, self.flatten.value.clamp(0.0, 1.0))
-            * toes_down(foot, self.toes_down))
+            * flattening(foot, self.flatten.value.clamp(0.0, 1.0)))
         .normalize();
         let [heel, ball, tip] = [foot.heel, foot.ball, foot.tip].map(|point| turn * (point - foot.ankle));
+        // Reaching down the heel stays up; toes lie flat.
+        let heel = ball + heel_turn(ball - heel, self.toes_down) * (heel - ball);
         let place = match held {
             Some((Pivot::Heel, anchor)) => anchor - heel,
             Some((Pivot::Ball, anchor)) => anchor - ball,

@@ -350,7 +350,8 @@ impl Body<'_> {
             None => 0.0,
         };
         foot.heel = if needed > foot.heel { needed } else { damp(foot.heel, needed, HEEL_HALF_LIFE, self.dt) };
-        let lift = heel_turn(forward, foot.heel);
+        let lifted = foot.heel.max(foot.toes_down * weight);
+        let lift = heel_turn(forward, lifted);
         let toes = leg.toes.map(|toes| (toes, turn_model * pose.pose.rotation(toes)));
         let rotation = lift * turn_model * pose.pose.rotation(leg.foot);
         let target = not_folded(pose.pose.position(leg.upper), ball + lift * (ankle - ball), leg.length());
@@ -363,7 +364,7 @@ impl Body<'_> {
             Vec3::NEG_Z,
             Extension { soft, hard: config.extension.1 },
         );
-        if let Some((toes, rotation)) = toes.filter(|_| foot.heel > 0.0) {
+        if let Some((toes, rotation)) = toes.filter(|_| lifted > 0.0) {
             keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
         }
         result

@@ -17,11 +17,6 @@ pub(super) fn flattening(foot: &AnimatedFoot, share: f32) -> Quat {
     from_scaled_axis(to_scaled_axis(shortest_arc(sole, flat(sole))) * share)
 }
 
-/// Points the toes down by `angle` radians.
-pub(super) fn toes_down(foot: &AnimatedFoot, angle: f32) -> Quat {
-    from_scaled_axis(foot.forward.cross(Vec3::NEG_Y) * angle)
-}
-
 /// Turn from upright to the ground's normal, within the foot's limits of pitch and roll.
 pub(super) fn limited_align(normal: Vec3, forward: Vec3, config: &FootIkConfig) -> Quat {
     let forward = direction_or(flat(forward), Vec3::NEG_Z);
