@@ -19,6 +19,7 @@ mod way;
 use avian3d::prelude::*;
 use bevy::{math::ops, prelude::*};
 
+use flight::ease;
 pub use foot::{FootState, Mode, Pivot, Plant, Release};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
 pub use legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, place_leg, shift_joint};
@@ -256,10 +257,14 @@ impl Body<'_> {
         let cue = self.locomotion.cues[side];
         let world_from_model = self.root.to_isometry();
         let warp = self.warp(pose, leg);
-        let to_world = |model: Vec3| world_from_model * (model + warp(model));
+        // A foot that is about to land stands already as the body will face then, so that it comes to rest in the world.
+        let ahead =
+            if cue.contact < 0.5 { self.turn_ahead(cue.time_to_contact, ease(cue.swing)) } else { Quat::IDENTITY };
+        let root = self.root.translation;
+        let to_world = |model: Vec3| root + ahead * (world_from_model * model - root);
         let ankle_model = pose.pose.position(leg.foot);
         let shift = warp(ankle_model);
-        let sole = sole_model(&pose.pose, leg).map(|point| world_from_model * (point + shift));
+        let sole = sole_model(&pose.pose, leg).map(|point| to_world(point + shift));
         let [heel, ball, tip] = sole;
         let forward = (ball - heel).with_y(0.0).normalize_or(*self.root.forward());
         let (landing, landing_forward) = match cue.landing_model {
@@ -270,7 +275,7 @@ impl Body<'_> {
             _ => (ball, forward),
         };
         AnimatedFoot {
-            ankle: to_world(ankle_model),
+            ankle: to_world(ankle_model + shift),
             clip_ankle: world_from_model * ankle_model,
             heel,
             ball,
@@ -288,9 +293,14 @@ impl Body<'_> {
     /// Where the ball lands if the body keeps its velocity and turn for `seconds`.
     fn predict(&self, ball_model: Vec3, forward: Vec3, seconds: f32) -> (Vec3, Vec3) {
         let seconds = seconds.clamp(0.0, 0.6);
-        let turn = from_scaled_axis(Vec3::Y * (self.motion.yaw_rate * seconds).clamp(-1.2, 1.2));
+        let turn = self.turn_ahead(seconds, 1.0);
         let root = self.root.translation + self.motion.velocity.with_y(0.0) * seconds;
         (root + turn * self.root.rotation * ball_model, turn * forward)
+    }
+
+    /// A share of the turn that the body makes in `seconds`.
+    fn turn_ahead(&self, seconds: f32, share: f32) -> Quat {
+        from_scaled_axis(Vec3::Y * ((self.motion.yaw_rate * seconds).clamp(-1.2, 1.2) * share))
     }
 
     /// Horizontal shift, in model space, that scales the stride about the hip along the way the body goes.

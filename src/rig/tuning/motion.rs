@@ -43,7 +43,7 @@ pub struct MotionConfig {
     /// Small: turns start lazily. Large: they jerk, since the feet stand while the body turns over them.
     #[serde(with = "super::degrees")]
     pub turn_acceleration: f32,
-    /// Fastest turn, degrees per second in RON. Default 720°.
+    /// Fastest turn, degrees per second in RON. Default 540°.
     #[serde(with = "super::degrees")]
     pub turn_rate: f32,
     /// Fastest turn on the spot, degrees per second in RON. Default 120°.
@@ -105,7 +105,7 @@ impl Default for MotionConfig {
             air_acceleration: 3.0,
             turn_half_life: 0.07,
             turn_acceleration: 4500f32.to_radians(),
-            turn_rate: 720f32.to_radians(),
+            turn_rate: 540f32.to_radians(),
             standing_turn_rate: 120f32.to_radians(),
             radius: 0.28,
             height: 1.8,
