@@ -227,8 +227,7 @@ impl FootState {
     fn clear<P: Probe, G: GroundFrames>(&mut self, placed: &mut PlacedFoot, around: &Surroundings<'_, P, G>) {
         self.flight.guard *= remaining(GUARD_HALF_LIFE, around.dt);
         let mut deepest = self.flight.guard;
-        let amid = if self.flight.finishes { 0.0 } else { self.flight.amid() };
-        let keeps = (CLEARS + TOUCH) * amid - TOUCH;
+        let keeps = (CLEARS + TOUCH) * self.flight.amid() - TOUCH;
         for point in placed.sole {
             if let Some(hit) = around.reach.at(around.probe, point) {
                 deepest = deepest.max(hit.point.y - point.y + keeps);
