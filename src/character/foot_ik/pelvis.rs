@@ -10,7 +10,7 @@ use super::ride::Ride;
 use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
 
 /// Half-life in seconds in which the body follows a change of the slope that it rides over.
-const FOLLOW: f32 = 0.27;
+const FOLLOW: f32 = 0.3;
 /// How much slower the pelvis rises than it sinks: on a slope it stays where each stride needs it.
 const RISE_SLOWER: f32 = 3.0;
 

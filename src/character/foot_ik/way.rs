@@ -24,7 +24,7 @@ const BEHIND: f32 = 0.3;
 const OBSTACLE: f32 = 0.05;
 /// Shares of the time in the air, after take-off and before landing, in which lifts grow and end.
 const RISE: f32 = 0.3;
-const FALL: f32 = 0.25;
+const FALL: f32 = 0.35;
 
 /// What stands along the way from take-off to landing.
 #[derive(Clone, Copy, Debug, Default)]
