@@ -4,9 +4,12 @@ use std::time::Duration;
 
 use avian3d::prelude::*;
 use bevy::{math::ops, prelude::*, time::TimeUpdateStrategy};
-use surefoot::character::{
-    intent::MoveIntent,
-    motion::{CharacterMotion, MotionPlugin, MotionState},
+use surefoot::{
+    character::{
+        intent::MoveIntent,
+        motion::{CharacterMotion, MotionPlugin, MotionState},
+    },
+    rig::tuning::motion::MotionConfig,
 };
 
 /// The world with physics and the controller, `hz` fixed steps a second, one step per update.
@@ -65,6 +68,13 @@ pub fn stairs(app: &mut App, count: usize, rise: f32, run: f32) {
 /// A character with nothing but the controller.
 pub fn walker(app: &mut App, at: Vec3) -> Entity {
     app.world_mut().spawn((CharacterMotion, Transform::from_translation(at))).id()
+}
+
+/// A character with nothing but the controller, that no slope slows.
+pub fn runner(app: &mut App, at: Vec3) -> Entity {
+    let walker = walker(app, at);
+    app.world_mut().entity_mut(walker).insert(MotionConfig { climb_slowing: 0.0, ..default() });
+    walker
 }
 
 /// What the character shall want from now on.

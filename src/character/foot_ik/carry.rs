@@ -112,7 +112,8 @@ mod tests {
         }
         for (frame, three) in places.windows(3).enumerate() {
             let kink = (three[2] - 2.0 * three[1] + three[0]).length() / DT;
-            assert!(kink < 0.4, "its velocity changes by {kink} m/s in frame {frame}");
+            // 2.2 m/s and 0.3 m go within 0.3 s; at once they would be a kink of 20 m/s.
+            assert!(kink < 0.7, "its velocity changes by {kink} m/s in frame {frame}");
         }
         let off = places[30].distance(new(30.0 * DT));
         assert!(off < 1e-5, "{off} m off its new way after 0.33 s");

@@ -10,16 +10,13 @@ use bevy::prelude::*;
 use super::{
     carry::Carry,
     flight::{Flight, ease},
-    ground::{Footprint, Plane, Probe},
-    landing::{Landing, print_at},
+    ground::{Plane, Probe},
+    landing::Landing,
     legs::heel_turn,
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
     turns::{flattening, limited_align},
 };
-use crate::math::{
-    rotation::{from_scaled_axis, heading, twist_angle, wrap_angle},
-    spring::{Spring, damp, damp_quat, remaining},
-};
+use crate::math::{rotation::from_scaled_axis, spring::Spring};
 
 /// Which point of the sole a planted foot turns about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
@@ -114,14 +111,14 @@ pub struct FootState {
     /// World height, under the ball, of the ground that carries the foot; in the air of the way to the next.
     pub(super) base: f32,
     /// Metres by which a planted foot still is over its ground.
-    over: f32,
+    pub(super) over: f32,
     /// Metres from where the clip wanted it to where it found room, when it came down.
-    aside: f32,
+    pub(super) aside: f32,
     /// Where the ball was placed last, world.
     pub(super) placed_ball: Vec3,
     /// Horizontal metres from there to heel and tip.
-    to_heel: Vec3,
-    to_tip: Vec3,
+    pub(super) to_heel: Vec3,
+    pub(super) to_tip: Vec3,
     /// Angle in radians by which the heel is lifted so that the leg reaches.
     pub heel: f32,
     /// Whether it has run before, and whether it was in the air without ground then.
@@ -178,6 +175,11 @@ impl FootState {
         placed
     }
 
+    /// Whether it was in the air without ground in the last frame.
+    pub(super) fn flies_free(&self) -> bool {
+        self.free
+    }
+
     /// One frame in the air, without ground: the foot is where the clip has it.
     pub(super) fn fly_free(&mut self, foot: &AnimatedFoot, dt: f32) {
         let carry = self.carry;
@@ -220,210 +222,6 @@ impl FootState {
         self.flight = Flight::from(self, foot);
     }
 
-    fn decide<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
-        match self.mode {
-            Mode::Planted(plant) => {
-                let Some(anchor) = anchor_world(&plant, around.frames) else {
-                    return self.release(Release::LostGround, foot, around);
-                };
-                if foot.contact < 0.5 {
-                    // Who stops makes the last step himself: a swing that fades would only drag the foot.
-                    return if around.halts {
-                        self.begin_step(Release::ContactEnded, foot, around);
-                    } else {
-                        self.release(Release::ContactEnded, foot, around);
-                    };
-                }
-                let error = flat(anchor - foot.point(plant.pivot)).length();
-                let turned = self.yaw_offset.abs();
-                let config = around.config;
-                // A gait lifts the foot soon by itself.
-                let patience = if around.may_restep { 1.0 } else { PATIENCE };
-                if foot.contact < 0.9 || !around.other_holds {
-                    // Half lifted already, or the only foot on the ground.
-                } else if error > patience * config.unplant_radius {
-                    self.begin_step(Release::TooFar, foot, around);
-                } else if turned > patience * config.unplant_yaw {
-                    self.begin_step(Release::Turned, foot, around);
-                } else if around.may_restep && (error > config.restep_distance + self.aside || turned > RESTEP_YAW) {
-                    self.begin_step(Release::Restep, foot, around);
-                }
-            }
-            Mode::Swing if foot.contact >= 0.5 || around.halts => {
-                let aside = flat(self.placed_ball - self.landing.place).length();
-                let off = self.above > DOWN || aside > THERE;
-                let amid = if around.halts {
-                    self.above > TOUCHES || aside > THERE
-                } else {
-                    off && self.flight.share() < NEARLY
-                };
-                if amid { self.finish_step(foot, aside) } else { self.lock(foot, around) }
-            }
-            Mode::Swing => {}
-            Mode::Stepping { elapsed, seconds } => {
-                if foot.contact < 0.5 && !around.halts {
-                    self.mode = Mode::Swing;
-                    self.landing = Landing::default();
-                    self.flight = Flight::from(self, foot);
-                    self.carry.begin();
-                } else if elapsed >= seconds || self.touches_down() {
-                    self.lock(foot, around);
-                }
-            }
-        }
-    }
-
-    fn release<P: Probe, G: GroundFrames>(
-        &mut self,
-        why: Release,
-        foot: &AnimatedFoot,
-        around: &Surroundings<'_, P, G>,
-    ) {
-        let plant = self.plant().copied();
-        if let Some((plant, anchor)) = plant.and_then(|plant| Some((plant, anchor_world(&plant, around.frames)?))) {
-            // It takes off from where it is held now, not from where the ball was in the last frame.
-            self.placed_ball = (foot.ball + flat(anchor - foot.point(plant.pivot))).with_y(self.placed_ball.y);
-        }
-        self.released = why;
-        self.mode = Mode::Swing;
-        self.landing = Landing::default();
-        self.flight = Flight::from(self, foot);
-        self.flight.leave(plant.map(|plant| plant.ground), around.frames);
-        if self.flight.leaves_late() {
-            self.carry.begin();
-        }
-    }
-
-    fn begin_step<P: Probe, G: GroundFrames>(
-        &mut self,
-        why: Release,
-        foot: &AnimatedFoot,
-        around: &Surroundings<'_, P, G>,
-    ) {
-        self.release(why, foot, around);
-        let aside = flat(self.placed_ball - foot.ball).length();
-        let far = aside * UNHURRIED;
-        let turned = (self.yaw_offset.abs() / RESTEP_YAW).min(1.0);
-        self.flight.arc = ease((aside / FULL_ARC).min(1.0)).max(ease(turned)).max(LEAST_ARC);
-        self.mode = Mode::Stepping { elapsed: 0.0, seconds: around.config.step_time.max(HURRY).max(far) };
-    }
-
-    /// The clip stands while the foot is still in the air: it comes down by a step of its own.
-    fn finish_step(&mut self, foot: &AnimatedFoot, aside: f32) {
-        let seconds = (SHORTEST_FINISH + UNHURRIED * aside + FALLS * self.above).min(LONGEST_FINISH);
-        self.mode = Mode::Stepping { elapsed: 0.0, seconds };
-        self.landing = Landing::default();
-        self.flight = Flight::from(self, foot);
-        self.flight.arc = ease((aside / FULL_ARC).min(1.0)) * (1.0 - self.above / FULL_ARC).max(0.0);
-        self.flight.finishes = true;
-        self.carry.begin();
-    }
-
-    /// A foot that finishes what its clip began is down as soon as it is there.
-    fn touches_down(&self) -> bool {
-        let aside = flat(self.placed_ball - self.landing.place).length();
-        self.flight.finishes && self.above < TOUCHES && aside < THERE
-    }
-
-    /// Takes hold of the ground where the foot is now.
-    fn lock<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
-        self.aside = flat(self.placed_ball - foot.ball).length();
-        // After a step of its own a foot takes its weight by and by.
-        self.forefoot = if matches!(self.mode, Mode::Stepping { .. }) { 0.0 } else { 1.0 };
-        let heel_first = foot.heel.y < foot.ball.y - 0.004 && self.flatten.value < 0.5;
-        self.plant_at(if heel_first { Pivot::Heel } else { Pivot::Ball }, foot, around);
-    }
-
-    /// Where a point of the sole was placed last, world; the height doesn't matter.
-    fn placed(&self, pivot: Pivot) -> Vec3 {
-        self.placed_ball
-            + match pivot {
-                Pivot::Heel => self.to_heel,
-                Pivot::Ball => Vec3::ZERO,
-                Pivot::Tip => self.to_tip,
-            }
-    }
-
-    fn plant_at<P: Probe, G: GroundFrames>(
-        &mut self,
-        pivot: Pivot,
-        foot: &AnimatedFoot,
-        around: &Surroundings<'_, P, G>,
-    ) {
-        // The ball's ground carries the foot even while the heel touches first: one plane per stance.
-        let Some(Footprint { ball: hit, normal, .. }) =
-            self.landing.print_under(self.placed_ball, foot.forward, around)
-        else {
-            return;
-        };
-        let frame = around.frames.frame(hit.entity).unwrap_or(Isometry3d::IDENTITY);
-        let plane = Plane { point: hit.point, normal };
-        let into = frame.inverse();
-        let facing = from_scaled_axis(Vec3::Y * self.yaw_offset) * foot.forward;
-        let point = self.placed(pivot);
-        self.over = self.base - plane.height(self.placed_ball);
-        self.mode = Mode::Planted(Plant {
-            pivot,
-            ground: hit.entity,
-            anchor_ground: into * point.with_y(plane.height(point)),
-            normal_ground: into.rotation * normal,
-            yaw_ground: wrap_angle(heading(facing) - twist_angle(frame.rotation, Vec3::Y)),
-        });
-    }
-
-    fn hold<P: Probe, G: GroundFrames>(
-        &mut self,
-        plant: &Plant,
-        foot: &AnimatedFoot,
-        around: &Surroundings<'_, P, G>,
-    ) -> PlacedFoot {
-        let dt = around.dt;
-        let frame = around.frames.frame(plant.ground).unwrap_or(Isometry3d::IDENTITY);
-        let anchor = frame * plant.anchor_ground;
-        let normal = frame.rotation * plant.normal_ground;
-        let held = twist_angle(frame.rotation, Vec3::Y) + plant.yaw_ground;
-        self.yaw_offset = wrap_angle(held - heading(foot.forward));
-        // The clip brings the forefoot down by itself.
-        self.flatten.step(self.flatten.value.round(), 0.05, dt);
-        self.toes_down *= remaining(HEEL_DOWN, dt);
-        self.forefoot = damp(self.forefoot, 1.0, TAKES_WEIGHT, dt);
-        // A landing that was foreseen wrongly sinks or rises onto its ground within a few frames.
-        self.over = self.over.max(-0.002) * remaining(SETTLE, dt);
-        let target = limited_align(normal, foot.forward, around.config);
-        self.align = damp_quat(self.align, target, around.config.align_half_life, dt);
-        let plane = Plane { point: anchor + Vec3::Y * self.over, normal };
-        let placed = self.place(foot, Some((plant.pivot, anchor)), plane);
-        self.base = plane.height(self.placed_ball);
-        // The sole rolls from heel over ball to tip; what lies on the ground carries the lock.
-        let [heel, ball, tip] = [foot.heel, foot.ball, foot.tip].map(|point| point.y - foot.floor);
-        match plant.pivot {
-            Pivot::Heel if ball <= ROLLED + heel.max(0.0) => {
-                self.roll(Pivot::Ball, plant, plane, frame);
-                self.lay_flat(foot, around);
-            }
-            Pivot::Ball if ball > ROLLED + tip.max(0.0) && tip < heel => self.roll(Pivot::Tip, plant, plane, frame),
-            Pivot::Tip if ball <= tip => self.roll(Pivot::Ball, plant, plane, frame),
-            _ => {}
-        }
-        PlacedFoot { base: self.base, takeoff: self.placed_ball.with_y(self.base), ..placed }
-    }
-
-    /// The forefoot is down: the ground under it carries the sole, unless that is across an edge.
-    fn lay_flat<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
-        let found = print_at(self.placed_ball, foot.forward, around);
-        if found.is_some_and(|print| (print.ball.point.y - self.base).abs() < ACROSS) {
-            self.landing = Landing::default();
-            self.plant_at(Pivot::Ball, foot, around);
-        }
-    }
-
-    /// The same plane carries the foot on, held by another point.
-    fn roll(&mut self, onto: Pivot, plant: &Plant, plane: Plane, frame: Isometry3d) {
-        let point = self.placed(onto);
-        let on_ground = point.with_y(plane.height(point) - self.over);
-        self.mode = Mode::Planted(Plant { pivot: onto, anchor_ground: frame.inverse() * on_ground, ..*plant });
-    }
-
     /// Turns the foot to the plane and sets its lowest point as high over it as the clip has it over its floor.
     pub(super) fn place(&mut self, foot: &AnimatedFoot, held: Option<(Pivot, Vec3)>, plane: Plane) -> PlacedFoot {
         let turn = (self.align
@@ -461,42 +259,12 @@ impl FootState {
     }
 }
 
-/// Metres of height between two grounds that don't carry one sole.
-const ACROSS: f32 = 0.05;
-/// Metres by which one end of the sole must be over the other to count as lifted.
-const ROLLED: f32 = 0.002;
-/// How much more a lock endures, in place and turn, while a gait plays.
-const PATIENCE: f32 = 1.5;
-/// Turn in radians against a standing body from which a foot steps round: 20°.
-const RESTEP_YAW: f32 = 0.35;
-/// Seconds that a metre of a correcting step takes at least.
-const UNHURRIED: f32 = 1.8;
-/// Seconds of the shortest step.
-const HURRY: f32 = 0.2;
-/// Seconds of the shortest and the longest step that finishes what a clip began, and those that a metre of height takes.
-const SHORTEST_FINISH: f32 = 0.1;
-const LONGEST_FINISH: f32 = 0.4;
-const FALLS: f32 = 1.5;
-/// Metres over its ground, and aside of it, within which a foot counts as landed when its clip stands.
-const TOUCHES: f32 = 0.003;
-const DOWN: f32 = 0.03;
-const THERE: f32 = 0.08;
-/// Share of its time in the air from which on a foot counts as landed when its clip stands.
-const NEARLY: f32 = 0.85;
-/// Metres of a step from which on it is lifted by the whole step height.
-const FULL_ARC: f32 = 0.15;
-/// Share of the step height that any step is lifted by.
-const LEAST_ARC: f32 = 0.3;
 /// Share of the time in the air in which a foot that is left behind still lifts its heel to reach; as long again it less
 /// and less does.
 const REACHES_BACK: f32 = 0.4;
-/// Half-lives in seconds: in which a heel comes down after a landing on the toes, and in which a foot takes its weight.
-const HEEL_DOWN: f32 = 0.05;
-const TAKES_WEIGHT: f32 = 0.06;
-/// Half-life in seconds in which a foot that came down over or under its ground settles onto it.
-const SETTLE: f32 = 0.02;
 
-fn anchor_world(plant: &Plant, frames: &impl GroundFrames) -> Option<Vec3> {
+/// Where the plant is held, world; `None` once its ground is gone.
+pub(super) fn anchor_world(plant: &Plant, frames: &impl GroundFrames) -> Option<Vec3> {
     frames.frame(plant.ground).map(|frame| frame * plant.anchor_ground)
 }
 

@@ -10,7 +10,7 @@ use crate::{
         pose::{Pose, rotation_of},
         skeleton::{JointIndex, Skeleton},
     },
-    math::rotation::from_scaled_axis,
+    math::rotation::{direction_or, from_scaled_axis},
 };
 
 /// The joints of one leg.
@@ -113,6 +113,23 @@ const MOST_LIFT: f32 = 0.9;
 /// Share of the way to where foot and leg are in line that a heel lifts.
 const USEFUL_LIFT: f32 = 0.6;
 
+/// Shares of a leg's length: the shortest that it folds to, a knee bent by 145° (clinical range: 135–150°), and that from
+/// which on it resists.
+const FOLDED: (f32, f32) = (0.3, 0.42);
+
+/// `ankle` kept so far from `hip` that the knee folds no further than a knee does; what is further away stays.
+#[must_use]
+pub fn not_folded(hip: Vec3, ankle: Vec3, length: f32) -> Vec3 {
+    let (least, soft) = FOLDED;
+    let away = (ankle - hip) / length;
+    let distance = away.length();
+    if distance >= soft {
+        return ankle;
+    }
+    let kept = least + (soft - least) * ops::exp((distance - soft) / (soft - least));
+    hip + direction_or(away, Vec3::NEG_Y) * (kept * length)
+}
+
 /// Gives `joint` this rotation in model space, whatever its parent has become.
 pub fn keep_rotation(pose: &mut Pose, skeleton: &Skeleton, joint: JointIndex, rotation_model: Quat) {
     let parent = pose.parent_rotation(skeleton, joint);
@@ -152,6 +169,33 @@ mod tests {
         assert!((reach - 0.95).abs() < 1e-3, "reaches to {reach} m");
         let idle = heel_lift(hip, ankle, ball, Vec3::NEG_Z, 1.2);
         assert!(idle.abs() < 1e-6, "lifts by {idle} without need");
+    }
+
+    #[test]
+    fn a_heel_lifts_the_same_way_when_the_ankle_has_passed_over_the_toes() {
+        let hip = Vec3::new(0.0, 0.95, -0.35);
+        let lift = |step: i16| {
+            let lean = f32::from(step).to_radians();
+            let ankle = Vec3::new(0.0, 0.15 * ops::cos(lean), -0.15 * ops::sin(lean));
+            heel_lift(hip, ankle, Vec3::ZERO, Vec3::NEG_Z, 0.87).to_degrees()
+        };
+        for step in -20..20 {
+            let change = (lift(step + 1) - lift(step)).abs();
+            assert!(change < 3.0, "turned by {change}° for a degree of lean at {step}°");
+        }
+    }
+
+    #[test]
+    fn knees_fold_no_further_than_knees_do() {
+        let (hip, way) = (Vec3::Y, Vec3::new(0.0, -0.8, 0.6));
+        let distance = |asked: f32| not_folded(hip, hip + way * asked, 0.9).distance(hip);
+        for step in 0..90u8 {
+            let asked = 0.01 * f32::from(step);
+            let (got, next) = (distance(asked), distance(asked + 0.01));
+            assert!(got > 0.27 - 1e-5 && got >= asked - 1e-5, "{got} m for {asked} m");
+            assert!((0.0..0.0102).contains(&(next - got)), "{} m further for 1 cm at {asked} m", next - got);
+        }
+        assert!((distance(0.6) - 0.6).abs() < 1e-5, "{} m for 0.6 m", distance(0.6));
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! lowers the pelvis. Feet are placed in world space, legs solved in model space: metres, +Y up, the character faces -Z.
 
 mod carry;
+mod decide;
 mod flight;
 mod foot;
 mod ground;
@@ -12,17 +13,18 @@ mod legs;
 mod pelvis;
 mod probe;
 mod ride;
+mod stance;
 mod surroundings;
 mod turns;
 mod way;
 
 use avian3d::prelude::*;
-use bevy::{math::ops, prelude::*};
+use bevy::prelude::*;
 
 use flight::ease;
 pub use foot::{FootState, Mode, Pivot, Plant, Release};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
-pub use legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, place_leg, shift_joint};
+pub use legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg, shift_joint};
 pub use pelvis::{LegReach, PelvisFrame, PelvisState, drop_for};
 pub use probe::{Frames, GroundFilter, PhysicsProbe};
 pub use ride::{Ride, ride};
@@ -34,10 +36,7 @@ use super::{
 };
 use crate::{
     anim::{ik::two_bone::Extension, leg::Leg, pose::Pose},
-    math::{
-        rotation::{direction_or, from_scaled_axis},
-        spring::damp,
-    },
+    math::{rotation::from_scaled_axis, spring::damp},
     rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
 };
 
@@ -50,9 +49,6 @@ const HEEL_SLACK: f32 = 0.02;
 const HEEL_HALF_LIFE: f32 = 0.06;
 /// Weight of the effect below which a character that comes to the ground lands.
 const LANDS_BELOW: f32 = 0.5;
-/// Shares of a leg's length: the shortest that it folds to, a knee bent by 145° (clinical range: 135–150°), and that from
-/// which on it resists.
-const FOLDED: (f32, f32) = (0.3, 0.42);
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
@@ -153,9 +149,11 @@ impl FootIk {
             self.teleports = body.motion.teleports;
             self.reset();
         } else if goal > 0.0 && self.weight < LANDS_BELOW && self.placed == [None; 2] {
-            // Out of the air: feet go down from where they are, and the pelvis goes on falling as it did.
             self.weight = 1.0;
-            self.pelvis.land();
+            // Out of the air feet go down from where they are, and the pelvis goes on falling as it did.
+            if self.feet.iter().all(FootState::flies_free) {
+                self.pelvis.land();
+            }
         }
         if self.weight < 0.01 {
             self.placed = [None; 2];
@@ -379,18 +377,6 @@ impl Body<'_> {
         }
         result
     }
-}
-
-/// `ankle` kept so far from `hip` that the knee folds no further than a knee does; what is further away stays.
-fn not_folded(hip: Vec3, ankle: Vec3, length: f32) -> Vec3 {
-    let (least, soft) = FOLDED;
-    let away = (ankle - hip) / length;
-    let distance = away.length();
-    if distance >= soft {
-        return ankle;
-    }
-    let kept = least + (soft - least) * ops::exp((distance - soft) / (soft - least));
-    hip + direction_or(away, Vec3::NEG_Y) * (kept * length)
 }
 
 /// The same tuning for a leg `factor` times as long.

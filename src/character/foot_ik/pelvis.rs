@@ -247,7 +247,7 @@ mod tests {
         let legs = [leg(0.26), leg(0.26)];
         let frame = PelvisFrame { floor: 0.0, hips: 0.95, weight: 1.0, config: &config, dt: 1.0 / 60.0 };
         pelvis.advance(&legs, level(0.0), &frame);
-        let risen = (0..60).map(|_| pelvis.advance(&legs, level(0.17), &frame)).fold(0.0, f32::max);
+        let risen = (0..180).map(|_| pelvis.advance(&legs, level(0.17), &frame)).fold(0.0, f32::max);
         assert!((risen - 0.17).abs() < 1e-3, "risen by {risen} m of 0.17");
     }
 }

@@ -28,8 +28,14 @@ pub(super) fn turn_toward(yaw: Spring<f32>, goal: f32, rates: TurnRates, dt: f32
     let way = way_round(yaw, goal);
     let mut spring = Spring { value: 0.0, velocity: yaw.velocity };
     spring.step(way, rates.half_life, dt);
+    let gain = rates.gain.max(0.0) * dt;
+    if yaw.velocity * way < 0.0 && yaw.velocity.abs() > gain {
+        // The goal has gone to the other side: first this turn comes to its end.
+        let velocity = (yaw.velocity - gain * yaw.velocity.signum()).clamp(-rates.most.max(0.0), rates.most.max(0.0));
+        return Spring { value: wrap_angle(yaw.value + velocity * dt), velocity };
+    }
     let before = if yaw.velocity * way > 0.0 { yaw.velocity.abs() } else { 0.0 };
-    let fastest = rates.most.max(0.0).min(before + rates.gain.max(0.0) * dt);
+    let fastest = rates.most.max(0.0).min(before + gain);
     if spring.value.abs() > fastest * dt {
         spring.value = fastest * dt * spring.value.signum();
     }
@@ -72,6 +78,21 @@ mod tests {
             yaw = next;
         }
         assert!(turned.abs() > 2.0, "turned only {}°", turned.to_degrees());
+    }
+
+    #[test]
+    fn a_turn_neither_starts_nor_turns_back_at_once() {
+        let mut yaw = Spring::at(0.0);
+        let mut before = 0.0;
+        for tick in 0..64u8 {
+            let goal = if tick < 12 { 2.0 } else { -1.0 };
+            yaw = turn_toward(yaw, goal, RATES, 1.0 / 64.0);
+            let change = (yaw.velocity - before).abs();
+            let braking = yaw.velocity * before > 0.0 && yaw.velocity.abs() < before.abs();
+            assert!(braking || change <= 2.0 * RATES.gain / 64.0 + 1e-4, "{change} rad/s faster within tick {tick}");
+            before = yaw.velocity;
+        }
+        assert!((yaw.value + 1.0).abs() < 0.02, "at {} after a second", yaw.value);
     }
 
     proptest! {

@@ -6,6 +6,7 @@ mod air;
 use bevy::prelude::*;
 use surefoot::{
     character::{Character, animator::CharacterPose, intent::MoveIntent, locomotion::Locomotion, motion::MotionState},
+    measure::summary::Measures,
     rig::character::CharacterAsset,
     testing::{Piece, Stage, Tape, World},
 };
@@ -180,4 +181,37 @@ fn a_changed_file_is_taken_over_in_mid_run() {
     stage.run_for(1.0);
     let speed = stage.get::<MotionState>(walker).expect("spawned").ground_velocity.length();
     assert!((speed - 3.5).abs() < 0.01, "it runs on at {speed} m/s");
+}
+
+#[test]
+fn reversing_in_the_middle_of_fades_never_pops_the_clips() {
+    for (every, speed) in [(0.1, 3.5), (0.2, 3.5), (0.2, 1.4), (0.35, 3.5), (0.5, 1.4)] {
+        let way = |index: usize| if index.is_multiple_of(2) { Vec3::NEG_Z } else { Vec3::Z } * speed;
+        let cues: Vec<_> = (0..(3.0 / every) as usize).map(|index| (every * index as f32, way(index))).collect();
+        let (mut stage, walker) = walker_on(&World::flat());
+        stage.set_foot_ik(walker, false);
+        stage.start_recording(walker).play(walker, &Tape::of("reversing", 3.0, &cues));
+        let Measures { pop_speed, pop_jump, .. } = stage.measures(walker);
+        assert!(
+            pop_speed <= 2.0 && pop_jump <= 2.0,
+            "every {every} s at {speed} m/s: {pop_speed:.2} times the clips' angular speed, {pop_jump:.2} times their jump"
+        );
+    }
+}
+
+#[test]
+fn in_a_turn_on_the_spot_one_foot_always_stands() {
+    let (stage, walker) = walker_on(&World::flat());
+    for name in ["turn_left", "turn_right"] {
+        let gait = &asset(&stage, walker).clip(name).expect("the mannequin turns").gait;
+        for foot in 0..2 {
+            let stands: f32 = gait.contact[foot].iter().map(|contact| contact.end - contact.start).sum();
+            assert!((0.5..0.75).contains(&stands), "{name}: foot {foot} stands {:.0} % of the time", 100.0 * stands);
+        }
+        for step in 0..100u8 {
+            let phase = f32::from(step) / 100.0;
+            let weight = [0, 1].map(|foot| gait.contact_weight(foot, phase)).into_iter().fold(0.0, f32::max);
+            assert!(weight > 0.49, "{name}: both feet are off the ground at phase {phase}");
+        }
+    }
 }

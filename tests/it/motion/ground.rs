@@ -61,7 +61,7 @@ fn slopes_are_climbed_at_the_commanded_speed_and_the_root_stays_on_them() {
             let mut app = world(HZ);
             flat(&mut app);
             ramp(&mut app, degrees, 30.0);
-            let walker = walker(&mut app, Vec3::Z * 1.0);
+            let walker = runner(&mut app, Vec3::Z * 1.0);
             updates(&mut app, 10);
             go(&mut app, walker, Vec3::NEG_Z * speed);
             let mut worst = 0f32;
@@ -149,7 +149,7 @@ fn hills_of_a_heightfield_are_followed_exactly() {
     let scale = avian3d::parry::math::Vector::new(width, 1.0, depth);
     let shape = avian3d::parry::shape::SharedShape::heightfield(heights, scale);
     app.world_mut().spawn((RigidBody::Static, Collider::from(shape), Transform::IDENTITY));
-    let walker = walker(&mut app, Vec3::new(-10.0, hills(-10.0, -5.0), -5.0));
+    let walker = runner(&mut app, Vec3::new(-10.0, hills(-10.0, -5.0), -5.0));
     updates(&mut app, 10);
     go(&mut app, walker, Vec3::new(3.0, 0.0, 1.6));
     let mut worst = 0f32;
@@ -216,5 +216,25 @@ fn every_kind_of_collider_bears_a_walker() {
         }
         let at = root(&app, walker);
         assert!(at.x > 1.0 && worst < 2e-3, "{name}: at {at}, {worst} m off the ground at worst");
+    }
+}
+
+#[test]
+fn slopes_slow_a_run_and_no_walk() {
+    let pace = |degrees: f32, speed: f32, way: Vec3| {
+        let mut app = world(HZ);
+        flat(&mut app);
+        ramp(&mut app, degrees, 30.0);
+        let walker = walker(&mut app, Vec3::new(0.0, 10.0 * ops::tan(degrees.to_radians()), -10.0));
+        updates(&mut app, 10);
+        go(&mut app, walker, way * speed);
+        updates(&mut app, 96);
+        state(&app, walker).ground_velocity.with_y(0.0).length()
+    };
+    for way in [Vec3::Z, Vec3::NEG_Z] {
+        let (gentle, steep, walk) = (pace(10.0, 3.5, way), pace(30.0, 3.5, way), pace(30.0, 1.4, way));
+        assert!((2.8..3.4).contains(&gentle), "runs at {gentle} m/s on 10°");
+        assert!((2.0..2.5).contains(&steep), "runs at {steep} m/s on 30°");
+        assert!((walk - 1.4).abs() < 0.02, "walks at {walk} m/s on 30°");
     }
 }

@@ -31,7 +31,7 @@ fn over_stairs(speed: f32, up: bool) -> Walk {
     let top = STEPS as f32 * RISE;
     let (start, far) = (2.0, -(STEPS as f32) * RUN - 2.0);
     let at = if up { Vec3::new(0.0, 0.0, start) } else { Vec3::new(0.0, top, far) };
-    let walker = walker(&mut app, at);
+    let walker = runner(&mut app, at);
     updates(&mut app, 16);
     let direction = if up { Vec3::NEG_Z } else { Vec3::Z };
     go(&mut app, walker, direction * speed);
@@ -146,7 +146,7 @@ fn rubble_never_stops_a_walker() {
         block(&mut app, at, Vec3::new(0.45, 0.2, 0.35), spin);
     }
     for (lane, speed) in [(-0.7f32, 1.4f32), (0.0, 1.4), (0.6, 3.5), (0.9, 3.5)] {
-        let walker = walker(&mut app, Vec3::new(lane, 0.0, 1.5));
+        let walker = runner(&mut app, Vec3::new(lane, 0.0, 1.5));
         updates(&mut app, 10);
         go(&mut app, walker, Vec3::NEG_Z * speed);
         let ticks = (11.5 / speed * HZ as f32) as usize;

@@ -1,0 +1,143 @@
+//! What a foot does next: hold, swing, or step by itself.
+//!
+//! World space, metres, +Y up. The clip's contacts decide, and how far the body has left a plant; who stops finishes his
+//! steps himself.
+
+use super::{
+    flight::{Flight, ease},
+    foot::{FootState, Mode, Release, anchor_world, flat},
+    ground::Probe,
+    landing::Landing,
+    surroundings::{AnimatedFoot, GroundFrames, Surroundings},
+};
+
+/// How much more a lock endures, in place and turn, while a gait plays.
+const PATIENCE: f32 = 1.5;
+/// Turn in radians against a standing body from which a foot steps round: 20°.
+const RESTEP_YAW: f32 = 0.35;
+/// Seconds that a metre of a correcting step takes at least.
+const UNHURRIED: f32 = 1.8;
+/// Seconds of the shortest step.
+const HURRY: f32 = 0.2;
+/// Seconds of the shortest and the longest step that finishes what a clip began, and those that a metre of height takes.
+const SHORTEST_FINISH: f32 = 0.1;
+const LONGEST_FINISH: f32 = 0.4;
+const FALLS: f32 = 1.5;
+/// Metres over its ground, and aside of it, within which a foot counts as landed when its clip stands.
+const TOUCHES: f32 = 0.003;
+const DOWN: f32 = 0.03;
+const THERE: f32 = 0.08;
+/// Share of its time in the air from which on a foot counts as landed when its clip stands.
+const NEARLY: f32 = 0.85;
+/// Metres of a step from which on it is lifted by the whole step height.
+const FULL_ARC: f32 = 0.15;
+/// Share of the step height that any step is lifted by.
+const LEAST_ARC: f32 = 0.3;
+
+impl FootState {
+    /// One frame: keeps what it does, or begins something else.
+    pub(super) fn decide<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
+        match self.mode {
+            Mode::Planted(plant) => {
+                let Some(anchor) = anchor_world(&plant, around.frames) else {
+                    return self.release(Release::LostGround, foot, around);
+                };
+                if foot.contact < 0.5 {
+                    // Who stops makes the last step himself: a swing that fades would only drag the foot.
+                    return if around.halts {
+                        self.begin_step(Release::ContactEnded, foot, around);
+                    } else {
+                        self.release(Release::ContactEnded, foot, around);
+                    };
+                }
+                let error = flat(anchor - foot.point(plant.pivot)).length();
+                let turned = self.yaw_offset.abs();
+                let config = around.config;
+                // A gait lifts the foot soon by itself.
+                let patience = if around.may_restep { 1.0 } else { PATIENCE };
+                if foot.contact < 0.9 || !around.other_holds {
+                    // Half lifted already, or the only foot on the ground.
+                } else if error > patience * config.unplant_radius {
+                    self.begin_step(Release::TooFar, foot, around);
+                } else if turned > patience * config.unplant_yaw {
+                    self.begin_step(Release::Turned, foot, around);
+                } else if around.may_restep && (error > config.restep_distance + self.aside || turned > RESTEP_YAW) {
+                    self.begin_step(Release::Restep, foot, around);
+                }
+            }
+            Mode::Swing if foot.contact >= 0.5 || around.halts => {
+                let aside = flat(self.placed_ball - self.landing.place).length();
+                let off = self.above > DOWN || aside > THERE;
+                let amid = if around.halts {
+                    self.above > TOUCHES || aside > THERE
+                } else {
+                    off && self.flight.share() < NEARLY
+                };
+                if amid { self.finish_step(foot, aside) } else { self.lock(foot, around) }
+            }
+            Mode::Swing => {}
+            Mode::Stepping { elapsed, seconds } => {
+                if foot.contact < 0.5 && !around.halts {
+                    self.mode = Mode::Swing;
+                    self.landing = Landing::default();
+                    self.flight = Flight::from(self, foot);
+                    self.carry.begin();
+                } else if elapsed >= seconds || self.touches_down() {
+                    self.lock(foot, around);
+                }
+            }
+        }
+    }
+
+    fn release<P: Probe, G: GroundFrames>(
+        &mut self,
+        why: Release,
+        foot: &AnimatedFoot,
+        around: &Surroundings<'_, P, G>,
+    ) {
+        let plant = self.plant().copied();
+        if let Some((plant, anchor)) = plant.and_then(|plant| Some((plant, anchor_world(&plant, around.frames)?))) {
+            // It takes off from where it is held now, not from where the ball was in the last frame.
+            self.placed_ball = (foot.ball + flat(anchor - foot.point(plant.pivot))).with_y(self.placed_ball.y);
+        }
+        self.released = why;
+        self.mode = Mode::Swing;
+        self.landing = Landing::default();
+        self.flight = Flight::from(self, foot);
+        self.flight.leave(plant.map(|plant| plant.ground), around.frames);
+        if self.flight.leaves_late() {
+            self.carry.begin();
+        }
+    }
+
+    fn begin_step<P: Probe, G: GroundFrames>(
+        &mut self,
+        why: Release,
+        foot: &AnimatedFoot,
+        around: &Surroundings<'_, P, G>,
+    ) {
+        self.release(why, foot, around);
+        let aside = flat(self.placed_ball - foot.ball).length();
+        let far = aside * UNHURRIED;
+        let turned = (self.yaw_offset.abs() / RESTEP_YAW).min(1.0);
+        self.flight.arc = ease((aside / FULL_ARC).min(1.0)).max(ease(turned)).max(LEAST_ARC);
+        self.mode = Mode::Stepping { elapsed: 0.0, seconds: around.config.step_time.max(HURRY).max(far) };
+    }
+
+    /// The clip stands while the foot is still in the air: it comes down by a step of its own.
+    pub(super) fn finish_step(&mut self, foot: &AnimatedFoot, aside: f32) {
+        let seconds = (SHORTEST_FINISH + UNHURRIED * aside + FALLS * self.above).min(LONGEST_FINISH);
+        self.mode = Mode::Stepping { elapsed: 0.0, seconds };
+        self.landing = Landing::default();
+        self.flight = Flight::from(self, foot);
+        self.flight.arc = ease((aside / FULL_ARC).min(1.0)) * (1.0 - self.above / FULL_ARC).max(0.0);
+        self.flight.finishes = true;
+        self.carry.begin();
+    }
+
+    /// A foot that finishes what its clip began is down as soon as it is there.
+    fn touches_down(&self) -> bool {
+        let aside = flat(self.placed_ball - self.landing.place).length();
+        self.flight.finishes && self.above < TOUCHES && aside < THERE
+    }
+}
