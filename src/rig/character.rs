@@ -286,6 +286,10 @@ impl CharacterAsset {
                 let written = self.file.clips.get(name).is_some_and(|source| source.contacts.is_some());
                 let Some(turning) = self.clips.iter_mut().find(|clip| clip.name == name && !written) else { continue };
                 turning.gait = Gait::analyze_turning(&turning.clip, &self.skeleton, &self.legs, angle);
+                let written = self.file.clips.get(name).and_then(|source| source.ground_speed);
+                if let Some(speed) = written.or(turning.clip.ground_speed) {
+                    turning.gait.set_speed(speed, turning.clip.duration);
+                }
             }
         }
     }

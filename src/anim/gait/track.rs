@@ -2,7 +2,7 @@
 //!
 //! Model space, metres, +Y up; samples are even steps through the clip, both ends included.
 
-use bevy::math::Vec3;
+use bevy::math::{Quat, Vec3};
 
 use super::{Contact, Gait};
 use crate::{
@@ -40,7 +40,9 @@ pub(super) struct Track {
     size: f32,
     /// By sample, foot, point: position in model space, turned with the root.
     points: Vec<[[Vec3; 3]; 2]>,
-    /// Horizontal way of the hips over the clip, m/s: root motion left in the clip.
+    /// Turn of the root over the clip.
+    whole_turn: Quat,
+    /// Horizontal velocity of the hips over the clip, m/s: root motion left in the clip.
     drift: Vec3,
 }
 
@@ -71,6 +73,7 @@ impl Track {
             looping: clip.looping,
             size: (0.5 * (legs[0].length() + legs[1].length()) / LEG).max(1e-3),
             points,
+            whole_turn: from_scaled_axis(Vec3::Y * angle),
             drift: Vec3::new(drift.x, 0.0, drift.z),
         }
     }
@@ -89,7 +92,8 @@ impl Track {
         let step = self.duration / count as f32;
         if self.looping && (sample == 0 || sample == count) {
             // Over the seam: the last sample is the first one again, a cycle of root motion further on.
-            return (at(1) - at(0) + at(count) - at(count - 1)) / (2.0 * step);
+            let end = self.whole_turn.inverse() * (at(count) - at(count - 1));
+            return (at(1) - at(0) + end) / (2.0 * step);
         }
         let (before, after) = (sample.saturating_sub(1), (sample + 1).min(count));
         (at(after) - at(before)) / (step * (after - before) as f32)

@@ -37,6 +37,11 @@ impl Carry {
         self.phase = Phase::Begun;
     }
 
+    /// The point is where it belongs.
+    pub(super) fn end(&mut self) {
+        self.phase = Phase::Over;
+    }
+
     /// The body that carries it has come to the ground, `fallen` metres lower than in the last frame: it fell with it.
     pub(super) fn land(&mut self, fallen: f32) {
         self.velocity.y = 0.0;

@@ -79,9 +79,7 @@ impl FootState {
             Mode::Stepping { elapsed, seconds } => {
                 if foot.contact < 0.5 && !around.halts {
                     self.mode = Mode::Swing;
-                    self.landing = Landing::default();
-                    self.flight = Flight::from(self, foot);
-                    self.carry.begin();
+                    self.change_way(foot);
                 } else if elapsed >= seconds || self.touches_down() {
                     self.lock(foot, around);
                 }
@@ -128,16 +126,14 @@ impl FootState {
     pub(super) fn finish_step(&mut self, foot: &AnimatedFoot, aside: f32) {
         let seconds = (SHORTEST_FINISH + UNHURRIED * aside + FALLS * self.above).min(LONGEST_FINISH);
         self.mode = Mode::Stepping { elapsed: 0.0, seconds };
-        self.landing = Landing::default();
-        self.flight = Flight::from(self, foot);
+        self.change_way(foot);
         self.flight.arc = ease((aside / FULL_ARC).min(1.0)) * (1.0 - self.above / FULL_ARC).max(0.0);
         self.flight.finishes = true;
-        self.carry.begin();
     }
 
     /// A foot that finishes what its clip began is down as soon as it is there.
     fn touches_down(&self) -> bool {
         let aside = flat(self.placed_ball - self.landing.place).length();
-        self.flight.finishes && self.above < TOUCHES && aside < THERE
+        self.flight.finishes && self.flight.share() > 0.0 && self.above < TOUCHES && aside < THERE
     }
 }

@@ -38,8 +38,6 @@ const TOES_DOWN: f32 = 0.4;
 const POINTS: (f32, f32) = (0.3, 0.5);
 /// Half-life in seconds in which toes follow a landing that was foreseen anew.
 const FOLLOWS: f32 = 0.02;
-/// Share of a swing in which a foot comes back from where it stood to where the clip has it.
-const LEFT: f32 = 1.0;
 /// Share of a step at both ends in which the foot only lifts or lowers.
 const UP: f32 = 0.15;
 /// Seconds that a metre of height takes in a step of its own.
@@ -146,8 +144,7 @@ impl FootState {
         self.landing.foresee(foot.landing, foot.landing_forward, time_left, self.base, around);
         self.look_over_the_way(foot, around);
         let at_landing = flat(self.landing.place - foot.landing);
-        // What is left of the last place goes first, before the leg has to stretch for it.
-        let left = self.flight.offset * (1.0 - ease((self.flight.share / LEFT).min(1.0)));
+        let left = self.flight.offset * (1.0 - eased);
         let ball = self.flight.held(foot.ball + left + at_landing * eased);
         self.fly(ball, eased, time_left, foot, around)
     }

@@ -180,6 +180,13 @@ impl FootState {
         self.free
     }
 
+    /// In the air it goes another way from here.
+    pub(super) fn change_way(&mut self, foot: &AnimatedFoot) {
+        self.landing = Landing::default();
+        self.flight = Flight::from(self, foot);
+        self.carry.begin();
+    }
+
     /// One frame in the air, without ground: the foot is where the clip has it.
     pub(super) fn fly_free(&mut self, foot: &AnimatedFoot, dt: f32) {
         let carry = self.carry;
@@ -212,7 +219,7 @@ impl FootState {
         self.base = height;
         self.placed_ball = foot.ball.with_y(height);
         self.align = hit.map_or(Quat::IDENTITY, |hit| limited_align(hit.normal, foot.forward, around.config));
-        if foot.contact > 0.5 {
+        if foot.contact >= 0.5 || around.halts {
             // Whoever appears standing appears on ground that carries the whole sole.
             self.landing.plan(foot.ball, foot.forward, height, around);
             let place = self.landing.place;

@@ -159,7 +159,8 @@ pub fn find_room(
     let mut best: Option<(f32, Footprint)> = None;
     let steps = (most / SHIFT_STEP).ceil().max(0.0) as i32;
     let tries = core::iter::once(preferred)
-        .chain((0..=steps).flat_map(|i| [i as f32 * SHIFT_STEP, -(i as f32) * SHIFT_STEP]))
+        .chain(core::iter::once(0.0))
+        .chain((1..=steps).flat_map(|i| [i as f32 * SHIFT_STEP, -(i as f32) * SHIFT_STEP]))
         .filter(|shift| shift.abs() <= most);
     for shift in tries {
         let Some(print) = footprint(probe, reach, ball + forward * shift, forward, sole) else { continue };

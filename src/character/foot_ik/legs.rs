@@ -44,8 +44,8 @@ pub fn shift_joint(pose: &mut Pose, skeleton: &Skeleton, joint: JointIndex, offs
     }
 }
 
-/// Turns a leg so that its ankle comes to `ankle_model` and its foot is turned by `foot_turn` from the animated rotation
-/// `foot_rotation` (both model space). `forward` is where knees point when the leg is straight.
+/// Turns a leg so that its ankle comes to `ankle_model` and its foot to the rotation `foot_rotation` (both model space).
+/// `forward` is where knees point when the leg is straight.
 pub fn place_leg(
     pose: &mut Pose,
     skeleton: &Skeleton,

@@ -40,15 +40,12 @@ use crate::{
     rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
 };
 
-/// Leg length in metres that the lengths of [`FootIkConfig`] are meant for.
-const TUNED_LEG: f32 = 0.875;
-
+/// Seconds for which who has left the ground still counts as on it: feet push off.
+const STILL_GROUNDED: f32 = 0.1;
 /// Reach that the pelvis leaves to a lifted heel, as a fraction of the leg.
 const HEEL_SLACK: f32 = 0.02;
 /// Half-life in seconds in which a heel that needn't be lifted any more comes down.
 const HEEL_HALF_LIFE: f32 = 0.06;
-/// Weight of the effect below which a character that comes to the ground lands.
-const LANDS_BELOW: f32 = 0.5;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
@@ -140,15 +137,19 @@ struct Body<'a> {
 
 impl FootIk {
     fn place(&mut self, body: &Body<'_>, pose: &mut CharacterPose, probe: &impl Probe, frames: &impl GroundFrames) {
+        if !body.root.translation.is_finite() || !body.root.rotation.is_finite() {
+            // The controller mends it in its next tick.
+            return;
+        }
         let config = &body.asset.file.foot_ik;
-        let grounded = body.motion.ground.is_some() || body.motion.air_time < 0.1;
+        let grounded = body.motion.ground.is_some() || body.motion.air_time < STILL_GROUNDED;
         let goal = if config.enabled && grounded { 1.0 } else { 0.0 };
         self.weight = damp(self.weight, goal, config.air_half_life, body.dt);
         let animated = [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side]));
         if body.motion.teleports != self.teleports {
             self.teleports = body.motion.teleports;
             self.reset();
-        } else if goal > 0.0 && self.weight < LANDS_BELOW && self.placed == [None; 2] {
+        } else if goal > 0.0 && self.placed == [None; 2] {
             self.weight = 1.0;
             // Out of the air feet go down from where they are, and the pelvis goes on falling as it did.
             if self.feet.iter().all(FootState::flies_free) {
@@ -164,7 +165,7 @@ impl FootIk {
             }
             return;
         }
-        let config = &scaled(config, body.asset.leg_length / TUNED_LEG);
+        let config = &config.for_leg(body.asset.leg_length);
         let placed = [0, 1].map(|side| {
             let around = Surroundings {
                 probe,
@@ -239,10 +240,10 @@ impl Body<'_> {
         (self.root.to_isometry() * pose.pose.position(self.asset.hips)).y
     }
 
-    /// What plays from now on doesn't step.
+    /// What plays from now on doesn't step; nobody halts in the air.
     fn halts(&self) -> bool {
         let machine = &self.locomotion.machine;
-        machine.is_empty() || !machine.steps(machine.current())
+        self.motion.ground.is_some() && (machine.is_empty() || !machine.steps(machine.current()))
     }
 
     fn reach(&self, config: &FootIkConfig) -> Reach {
@@ -255,14 +256,14 @@ impl Body<'_> {
         let cue = self.locomotion.cues[side];
         let world_from_model = self.root.to_isometry();
         let warp = self.warp(pose, leg);
-        // A foot that is about to land stands already as the body will face then, so that it comes to rest in the world.
-        let ahead =
-            if cue.contact < 0.5 { self.turn_ahead(cue.time_to_contact, ease(cue.swing)) } else { Quat::IDENTITY };
-        let root = self.root.translation;
-        let to_world = |model: Vec3| root + ahead * (world_from_model * model - root);
         let ankle_model = pose.pose.position(leg.foot);
         let shift = warp(ankle_model);
-        let sole = sole_model(&pose.pose, leg).map(|point| to_world(point + shift));
+        let sole = sole_model(&pose.pose, leg).map(|point| world_from_model * (point + shift));
+        // A foot that is about to land is already where the body's turn will have it, so that it comes to rest in the world.
+        let share = if cue.contact < 0.5 { ease(cue.swing) } else { 0.0 };
+        let from_root = sole[1] - self.root.translation;
+        let ahead = self.turn_ahead(cue.time_to_contact, share) * from_root - from_root;
+        let sole = sole.map(|point| point + ahead);
         let [heel, ball, tip] = sole;
         let forward = (ball - heel).with_y(0.0).normalize_or(*self.root.forward());
         let (landing, landing_forward) = match cue.landing_model {
@@ -273,7 +274,7 @@ impl Body<'_> {
             _ => (ball, forward),
         };
         AnimatedFoot {
-            ankle: to_world(ankle_model + shift),
+            ankle: world_from_model * (ankle_model + shift) + ahead,
             clip_ankle: world_from_model * ankle_model,
             heel,
             ball,
@@ -313,7 +314,7 @@ impl Body<'_> {
     ///
     /// As far as it would stretch on `ground`, the height that the body rides over, it is the clip's own stretch.
     fn landed(&self, now: LegReach, landing: Vec3, seconds: f32, ground: f32, foot: &AnimatedFoot) -> LegReach {
-        let ankle = landing + (foot.clip_ankle - foot.ball).with_y(0.0) + Vec3::Y * self.ankle_height();
+        let ankle = landing + (foot.ankle - foot.ball).with_y(0.0) + Vec3::Y * self.ankle_height();
         let hip = now.hip + self.motion.velocity.with_y(0.0) * seconds;
         let level = ankle.with_y(ground + self.ankle_height());
         let near = (1.0 - seconds / FORESIGHT).clamp(0.0, 1.0);
@@ -377,22 +378,4 @@ impl Body<'_> {
         }
         result
     }
-}
-
-/// The same tuning for a leg `factor` times as long.
-fn scaled(config: &FootIkConfig, factor: f32) -> FootIkConfig {
-    let mut config = config.clone();
-    for length in [
-        &mut config.probe_up,
-        &mut config.probe_down,
-        &mut config.unplant_radius,
-        &mut config.restep_distance,
-        &mut config.step_height,
-        &mut config.clearance,
-        &mut config.landing_shift,
-        &mut config.pelvis_drop,
-    ] {
-        *length *= factor;
-    }
-    config
 }

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::math::{rotation::direction_or, spring::damp};
 
-/// Places along the way: on a stride of a walk they are 5 cm apart.
+/// Places along the way: on a stride of a walk they are 9 cm apart.
 const PLACES: usize = 20;
 /// Metres between two places, at least.
 const APART: f32 = 0.05;

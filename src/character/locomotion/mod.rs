@@ -153,11 +153,13 @@ fn facts_of(clip: &CharacterClip) -> ClipFacts {
 
 impl Locomotion {
     /// Rise over run of the root's way, or of the way ahead where that is steeper; smoothed.
-    fn follow_grade(&mut self, root: Vec3, ahead: f32, dt: f32) {
+    fn follow_grade(&mut self, root: Vec3, motion: &MotionState, dt: f32) {
         let last = self.last_root.replace(root).unwrap_or(root);
-        let way = root - last;
+        let ahead = motion.grade_ahead;
+        let carried = motion.ground.map_or(Vec3::ZERO, |ground| ground.velocity * dt);
+        let way = root - last - carried;
         let run = Vec2::new(way.x, way.z).length();
-        let moves = run > 0.1 * dt;
+        let moves = motion.ground.is_some() && run > 0.1 * dt;
         let grade = if moves { (way.y / run).clamp(-1.0, 1.0) } else { 0.0 };
         let steeper = if ahead.abs() > grade.abs() { ahead } else { grade };
         // Who stands looks before the first step.
@@ -186,7 +188,7 @@ fn locomote(
     characters.par_iter_mut().for_each(|(character, root, motion, mut locomotion)| {
         let Some(asset) = assets.get(character) else { return };
         let locomotion = &mut *locomotion;
-        locomotion.follow_grade(root.translation, motion.grade_ahead, dt);
+        locomotion.follow_grade(root.translation, motion, dt);
         let velocity = (root.rotation.inverse() * motion.ground_velocity).with_y(0.0);
         let facts = Facts {
             grade: locomotion.grade,

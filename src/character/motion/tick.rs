@@ -13,7 +13,7 @@ use super::{
     planes::Planes,
     report::{follow_ground, refuse_nonsense, report},
     slide::Slider,
-    slope::{limit_cos, rise_along},
+    slope::{limit_cos, rise_along, walkable},
     space::View,
     speed::{SpeedRates, approach_velocity, slowed_by_grade},
     turn::{TurnRates, turn_toward, way_round},
@@ -112,6 +112,7 @@ impl Tick<'_> {
                 body.position.y = translation.y;
                 body.level = translation.y;
                 body.lag = Spring::at(0.0);
+                (body.ahead, body.grade) = (0.0, 0.0);
                 body.support = None;
                 body.anchor = None;
                 body.checks = RECHECKS;
@@ -240,6 +241,7 @@ impl Tick<'_> {
         let up = (self.shapes.step_up + distance).min(self.shapes.standing.height);
         let start = body.position.with_y(body.level + up) + way * (distance / speed);
         let floor = self.view.floor(start, Dir3::NEG_Y, up + self.shapes.step_up + distance);
+        let floor = floor.filter(|floor| walkable(floor.normal, limit_cos(self.config.slope_limit)));
         let grade = floor.map_or(0.0, |floor| (floor.height - body.level) / distance);
         if grade.abs() > STEEPEST { 0.0 } else { grade }
     }
@@ -302,6 +304,7 @@ impl Tick<'_> {
             body.jumping = true;
             state.jumps = state.jumps.wrapping_add(1);
         }
+        body.grade = damp(body.grade, 0.0, GRADE_HALF_LIFE, self.dt);
         let velocity = air_velocity(body.velocity, &self.intent, body.jumping, self.config, self.dt);
         slider.velocity = velocity + body.frame_velocity;
         let flown = fly(slider, body, self.shapes, self.shapes.posture(body.crouched), velocity);

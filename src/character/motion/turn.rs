@@ -34,7 +34,7 @@ pub(super) fn turn_toward(yaw: Spring<f32>, goal: f32, rates: TurnRates, dt: f32
         let velocity = (yaw.velocity - gain * yaw.velocity.signum()).clamp(-rates.most.max(0.0), rates.most.max(0.0));
         return Spring { value: wrap_angle(yaw.value + velocity * dt), velocity };
     }
-    let before = if yaw.velocity * way > 0.0 { yaw.velocity.abs() } else { 0.0 };
+    let before = if yaw.velocity * way >= 0.0 { yaw.velocity.abs() } else { 0.0 };
     let fastest = rates.most.max(0.0).min(before + gain);
     if spring.value.abs() > fastest * dt {
         spring.value = fastest * dt * spring.value.signum();

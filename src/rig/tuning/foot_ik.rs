@@ -33,8 +33,6 @@ pub struct FootIkConfig {
     pub step_time: f32,
     /// Metres that a correcting step lifts the foot. Default 0.05.
     pub step_height: f32,
-    /// Half-life, in seconds, of what is left of a lock once the foot is free. Default 0.08.
-    pub release_half_life: f32,
     /// Metres of clearance over what lies in a swinging foot's way. Default 0.03.
     pub clearance: f32,
     /// Metres by which a landing may move to find room for the whole sole. Default 0.2.
@@ -73,7 +71,6 @@ impl Default for FootIkConfig {
             restep_distance: 0.08,
             step_time: 0.5,
             step_height: 0.05,
-            release_half_life: 0.08,
             clearance: 0.03,
             landing_shift: 0.2,
             pelvis_drop: 0.4,
@@ -85,5 +82,29 @@ impl Default for FootIkConfig {
             roll_limit: 20f32.to_radians(),
             air_half_life: 0.05,
         }
+    }
+}
+
+/// Leg length in metres that the lengths are meant for.
+const TUNED_LEG: f32 = 0.875;
+
+impl FootIkConfig {
+    /// The same tuning for a leg of `length` metres: lengths scale, times and angles stay.
+    #[must_use]
+    pub fn for_leg(&self, length: f32) -> Self {
+        let mut config = self.clone();
+        for metres in [
+            &mut config.probe_up,
+            &mut config.probe_down,
+            &mut config.unplant_radius,
+            &mut config.restep_distance,
+            &mut config.step_height,
+            &mut config.clearance,
+            &mut config.landing_shift,
+            &mut config.pelvis_drop,
+        ] {
+            *metres *= length / TUNED_LEG;
+        }
+        config
     }
 }

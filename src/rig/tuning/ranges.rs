@@ -232,7 +232,6 @@ impl FootIkConfig {
             ranges.within(field, value, 0.0..=5.0, " m")?;
         }
         for (field, value) in [
-            ("release_half_life", self.release_half_life),
             ("pelvis_half_life", self.pelvis_half_life),
             ("align_half_life", self.align_half_life),
             ("air_half_life", self.air_half_life),
