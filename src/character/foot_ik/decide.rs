@@ -67,13 +67,12 @@ impl FootState {
             }
             Mode::Swing if foot.contact >= 0.5 || around.halts => {
                 let aside = flat(self.placed_ball - self.landing.place).length();
-                let off = self.above > DOWN || aside > THERE;
-                let amid = if around.halts {
-                    self.above > TOUCHES || aside > THERE
+                let (down, amid) = if around.halts { (TOUCHES, true) } else { (DOWN, self.flight.share() < NEARLY) };
+                if amid && (self.above > down || aside > THERE) {
+                    self.finish_step(foot, aside)
                 } else {
-                    off && self.flight.share() < NEARLY
-                };
-                if amid { self.finish_step(foot, aside) } else { self.lock(foot, around) }
+                    self.lock(foot, around)
+                }
             }
             Mode::Swing => {}
             Mode::Stepping { elapsed, seconds } => {

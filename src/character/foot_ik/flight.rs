@@ -193,8 +193,7 @@ impl FootState {
         self.flight.ball = ball;
         if self.mode == Mode::Swing {
             // Clips blended across each other may drag their feet.
-            let low = foot.heel.y.min(foot.ball.y).min(foot.tip.y) - foot.floor;
-            self.flight.lift = (CLEARS * self.flight.amid() - low.max(0.0)).max(0.0);
+            self.flight.lift = (CLEARS * self.flight.amid() - foot.lowest().max(0.0)).max(0.0);
         }
         let done = self.flight.done(landing, eased);
         self.yaw_offset = self.flight.yaw * (1.0 - eased);

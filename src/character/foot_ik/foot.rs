@@ -204,8 +204,7 @@ impl FootState {
         if core::mem::take(&mut self.free) {
             // Out of the air it comes down from where it is.
             self.carry.land(self.base - foot.floor);
-            let lowest = foot.heel.y.min(foot.ball.y).min(foot.tip.y);
-            self.above = (lowest - height).max(0.0);
+            self.above = (foot.floor + foot.lowest() - height).max(0.0);
             self.base = height;
             self.placed_ball = foot.ball;
             self.flight = Flight::from(self, foot);
@@ -244,14 +243,13 @@ impl FootState {
             Some((Pivot::Tip, anchor)) => anchor - tip,
             None => self.flight.ball - ball,
         };
-        let lowest = [foot.heel, foot.ball, foot.tip].into_iter().map(|p| p.y).fold(f32::MAX, f32::min) - foot.floor;
         let needed = [heel, ball, tip]
             .into_iter()
             .map(|offset| plane.height(place + offset) - offset.y)
             .fold(f32::MIN, f32::max);
         // Blended clips may sink into their own floor.
         let lift = if held.is_none() { self.flight.lift } else { 0.0 };
-        let ankle = place.with_y(needed + lowest.max(0.0) + lift);
+        let ankle = place.with_y(needed + foot.lowest().max(0.0) + lift);
         self.placed_ball = ankle + ball;
         (self.to_heel, self.to_tip) = (flat(heel - ball), flat(tip - ball));
         PlacedFoot {

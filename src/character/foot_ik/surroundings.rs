@@ -49,6 +49,14 @@ impl AnimatedFoot {
     }
 }
 
+impl AnimatedFoot {
+    /// Metres of the sole's lowest point over the floor plane; negative where blended clips sink into it.
+    #[must_use]
+    pub fn lowest(&self) -> f32 {
+        self.heel.y.min(self.ball.y).min(self.tip.y) - self.floor
+    }
+}
+
 /// Where the ground entity is.
 pub trait GroundFrames {
     /// Position and rotation of a ground entity; `None` once it is gone.
