@@ -69,9 +69,9 @@ impl FootState {
                 let aside = flat(self.placed_ball - self.landing.place).length();
                 let (down, amid) = if around.halts { (TOUCHES, true) } else { (DOWN, self.flight.share() < NEARLY) };
                 if amid && (self.above > down || aside > THERE) {
-                    self.finish_step(foot, aside)
+                    self.finish_step(foot, aside);
                 } else {
-                    self.lock(foot, around)
+                    self.lock(foot, around);
                 }
             }
             Mode::Swing => {}
