@@ -70,6 +70,12 @@ impl Leg {
         self.thigh + self.shin
     }
 
+    /// Hip, knee and ankle.
+    #[must_use]
+    pub fn joints(&self) -> [JointIndex; 3] {
+        [self.upper, self.lower, self.foot]
+    }
+
     /// Heel, ball and tip.
     #[must_use]
     pub fn sole(&self) -> [SolePoint; 3] {

@@ -177,6 +177,13 @@ impl CharacterAsset {
         self.clips.iter().position(|clip| clip.name == name)
     }
 
+    /// Angular speed in rad/s of a leg that makes a step by itself: half the largest of the slowest gait; 0 without gaits.
+    #[must_use]
+    pub fn step_speed(&self) -> f32 {
+        let gaits = self.clips.iter().map(|clip| &clip.gait).filter(|gait| gait.speed > 0.0);
+        gaits.min_by(|a, b| a.speed.total_cmp(&b.speed)).map_or(0.0, |gait| 0.5 * gait.leg_speed)
+    }
+
     fn resolve_clips(&self, others: &BTreeMap<String, Rig>) -> Result<Vec<CharacterClip>, CharacterError> {
         let mut sources: BTreeMap<&str, ClipSource> =
             self.rig.clips.iter().map(|clip| (clip.name.as_str(), ClipSource::default())).collect();

@@ -41,6 +41,8 @@ pub struct Gait {
     pub looping: bool,
     /// Height of each sole while it stands, metres over the model's ground plane.
     pub sole_height: [f32; 2],
+    /// Largest angular speed of a hip, knee or ankle against its parent, rad/s at normal playback.
+    pub leg_speed: f32,
 }
 
 impl Gait {

@@ -7,7 +7,7 @@ use bevy::math::{Quat, Vec3};
 use super::{Contact, Gait};
 use crate::{
     anim::{clip::Clip, leg::Leg, pose::Pose, skeleton::Skeleton},
-    math::rotation::from_scaled_axis,
+    math::rotation::{angle_between, from_scaled_axis},
 };
 
 /// Samples per second of clip, and how many at least and at most.
@@ -44,6 +44,8 @@ pub(super) struct Track {
     whole_turn: Quat,
     /// Horizontal velocity of the hips over the clip, m/s: root motion left in the clip.
     drift: Vec3,
+    /// Largest angular speed of a leg's joint, rad/s.
+    leg_speed: f32,
 }
 
 impl Track {
@@ -54,6 +56,8 @@ impl Track {
         let mut pose = Pose::rest(skeleton);
         let mut hips = [Vec3::ZERO; 2];
         let mut points = Vec::with_capacity(count);
+        let mut before: Option<[[Quat; 3]; 2]> = None;
+        let mut widest: f32 = 0.0;
         for sample in 0..=count {
             // The last sample is the end itself, not the start again.
             let held = Clip::time_of(sample, count, clip.duration);
@@ -66,6 +70,11 @@ impl Track {
                 hips[0] = middle;
             }
             hips[1] = middle;
+            let turns = legs.map(|leg| leg.joints().map(|joint| pose.local(joint).rotation));
+            if let Some(before) = before.replace(turns) {
+                let (now, before) = (turns.as_flattened(), before.as_flattened());
+                widest = now.iter().zip(before).map(|(now, before)| angle_between(*now, *before)).fold(widest, f32::max);
+            }
         }
         let drift = if clip.duration > 0.0 { (hips[1] - hips[0]) / clip.duration } else { Vec3::ZERO };
         Self {
@@ -75,6 +84,7 @@ impl Track {
             points,
             whole_turn: from_scaled_axis(Vec3::Y * angle),
             drift: Vec3::new(drift.x, 0.0, drift.z),
+            leg_speed: if clip.duration > 0.0 { widest * count as f32 / clip.duration } else { 0.0 },
         }
     }
 
@@ -109,6 +119,10 @@ impl Track {
     }
 
     pub(super) fn gait(&self) -> Gait {
+        Gait { leg_speed: self.leg_speed, ..self.steps() }
+    }
+
+    fn steps(&self) -> Gait {
         let ground = self.ground();
         if ground > AIRBORNE * self.size {
             return Gait { sole_height: [ground; 2], looping: self.looping, strides: 1, ..Gait::default() };

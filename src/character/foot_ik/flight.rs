@@ -156,7 +156,8 @@ impl FootState {
         around: &Surroundings<'_, P, G>,
     ) -> PlacedFoot {
         let begins = elapsed == 0.0;
-        let elapsed = elapsed + around.dt;
+        // A leg that is behind its way is waited for.
+        let elapsed = elapsed + around.dt * self.pace.share();
         self.landing.foresee(foot.ball, foot.forward, (seconds - elapsed).max(0.0), self.base, around);
         self.look_over_the_way(foot, around);
         // Up, down or over something takes longer.

@@ -13,6 +13,7 @@ use super::{
     ground::{Plane, Probe},
     landing::Landing,
     legs::heel_turn,
+    pace::Pace,
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
     turns::{flattening, limited_align},
 };
@@ -96,6 +97,8 @@ pub struct FootState {
     pub(super) landing: Landing,
     /// What it keeps of its motion when its way changes.
     pub(super) carry: Carry,
+    /// How fast its leg may move.
+    pub(super) pace: Pace,
     /// Metres from the sole's lowest point, in the air, down to where it will stand.
     pub(super) above: f32,
     /// Turn about +Y from the clip's foot to the placed foot, radians.

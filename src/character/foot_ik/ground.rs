@@ -37,6 +37,11 @@ pub struct Reach {
 const STEEPEST: f32 = 0.9;
 
 impl Reach {
+    /// Metres above and below the root between which rays run that start within `radius` metres of it on both axes.
+    pub(super) fn tallest(self, radius: f32) -> f32 {
+        self.up.max(self.down) + STEEPEST * core::f32::consts::SQRT_2 * radius + 0.01
+    }
+
     /// The ground at a horizontal place; the height of `place` doesn't matter.
     pub fn at(self, probe: &impl Probe, place: Vec3) -> Option<GroundHit> {
         let away = place - self.root;

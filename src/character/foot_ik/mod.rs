@@ -10,6 +10,8 @@ mod foot;
 mod ground;
 mod landing;
 mod legs;
+mod near;
+mod pace;
 mod pelvis;
 mod probe;
 mod ride;
@@ -18,13 +20,13 @@ mod surroundings;
 mod turns;
 mod way;
 
-use avian3d::prelude::*;
 use bevy::prelude::*;
 
 use flight::ease;
 pub use foot::{FootState, Mode, Pivot, Plant, Release};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
 pub use legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg, shift_joint};
+pub use near::{Grounds, NearProbe};
 pub use pelvis::{LegReach, PelvisFrame, PelvisState, drop_for};
 pub use probe::{Frames, GroundFilter, PhysicsProbe};
 pub use ride::{Ride, ride};
@@ -48,6 +50,9 @@ const HEEL_SLACK: f32 = 0.02;
 const HEEL_HALF_LIFE: f32 = 0.06;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
+
+/// Lengths of a leg about the root within which feet look for ground: a run's flight and a foot.
+const STRIDE: f32 = 2.0;
 
 /// Foot placement of one character: what it carries from frame to frame, and what it did.
 #[derive(Component, Clone, Debug, Default)]
@@ -101,8 +106,7 @@ impl Plugin for FootIkPlugin {
 fn plant(
     time: Res<Time>,
     assets: CharacterAssets,
-    spatial: SpatialQuery,
-    sensors: Query<(), With<Sensor>>,
+    grounds: Grounds,
     frames: Frames,
     mut characters: Query<(
         &Character,
@@ -120,8 +124,9 @@ fn plant(
     }
     characters.par_iter_mut().for_each(|(character, root, motion, locomotion, filter, mut pose, mut ik)| {
         let Some(asset) = assets.get(character) else { return };
-        let probe = PhysicsProbe::new(&spatial, &sensors, filter);
         let body = Body { root, motion, locomotion, asset, dt };
+        let config = asset.file.foot_ik.for_leg(asset.leg_length);
+        let probe = grounds.near(filter, body.reach(&config), STRIDE * asset.leg_length);
         ik.place(&body, &mut pose, &probe, &frames);
     });
 }
@@ -160,8 +165,9 @@ impl FootIk {
             self.placed = [None; 2];
             self.legs = [LegResult::default(); 2];
             self.pelvis.fly_free(body.hips(pose), body.dt);
-            for (foot, animated) in self.feet.iter_mut().zip(&animated) {
+            for ((foot, animated), leg) in self.feet.iter_mut().zip(&animated).zip(&body.asset.legs) {
                 foot.fly_free(animated, body.dt);
+                foot.pace.note(&pose.pose, leg);
             }
             return;
         }
@@ -376,6 +382,8 @@ impl Body<'_> {
         if let Some((toes, rotation)) = toes.filter(|_| lifted > 0.0) {
             keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
         }
+        let most = self.locomotion.leg_speed(self.asset) * self.dt;
+        foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), most);
         result
     }
 }

@@ -29,7 +29,9 @@ pub(super) type Landing = [Option<Vec3>; 2];
 /// Looks at a clip's moments of contact. `scratch` is a pose of the asset's skeleton.
 pub(super) fn landing(asset: &CharacterAsset, clip: &CharacterClip, scratch: &mut Pose) -> Landing {
     [0, 1].map(|foot| {
-        let start = clip.gait.contact[foot].first()?.start;
+        // A clip that doesn't loop begins with feet that never landed.
+        let lands = |start: &f32| clip.gait.looping || *start > 0.0;
+        let start = clip.gait.contact[foot].iter().map(|contact| contact.start).find(lands)?;
         let time = clip.gait.time_at(start, clip.clip.duration);
         clip.clip.sample(&asset.skeleton, time, scratch.locals_mut());
         scratch.update_model(&asset.skeleton);

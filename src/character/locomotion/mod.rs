@@ -110,6 +110,19 @@ impl Locomotion {
         })
     }
 
+    /// Largest angular speed in rad/s that hips, knees and ankles have in the clips that play, each by its weight; at least
+    /// that of a step.
+    #[must_use]
+    pub fn leg_speed(&self, asset: &CharacterAsset) -> f32 {
+        let machine = &self.machine;
+        let speed = |playing: Playing<'_>| {
+            let gait = machine.is_gait(playing.state);
+            let rate = if gait { machine.phase_rate() * playing.clip.clip.duration } else { 1.0 };
+            playing.clip.gait.leg_speed * rate.max(1.0) * playing.weight
+        };
+        self.playing(asset).map(speed).sum::<f32>().max(asset.step_speed())
+    }
+
     /// Pulls a trigger: a transition that waits for `name` may be taken in the next frame.
     pub fn trigger(&mut self, name: impl Into<String>) {
         self.triggers.push(name.into());

@@ -37,6 +37,7 @@ use super::{
     schedule::{MotionSystems, SchedulePlugin},
 };
 use crate::rig::tuning::motion::MotionConfig;
+pub(in crate::character) use heightfield::ground_below;
 use body::MotionBody;
 use capsule::MotionShapes;
 use space::{Space, View};

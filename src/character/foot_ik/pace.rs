@@ -1,0 +1,62 @@
+//! Legs in the air move hardly faster than the playing clips move them: what is asked of them comes a few frames later.
+//!
+//! Ground that is seen late, or that lies high or low, asks a foot to be elsewhere within a frame or two. Local rotations,
+//! radians.
+
+use bevy::prelude::*;
+
+use crate::{
+    anim::{leg::Leg, pose::Pose, skeleton::Skeleton},
+    math::rotation::angle_between,
+};
+
+/// How much faster than in the clips a leg may move: up to twice looks like the clip.
+const LIVELIER: f32 = 1.9;
+/// Share of what is asked by which a leg that is late makes more of it in every frame, until it has caught up.
+const CATCHES_UP: f32 = 0.25;
+
+/// How a leg's joints were turned in the last frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pace {
+    last: Option<[Quat; 3]>,
+    /// Whether it is behind what was asked.
+    late: bool,
+    /// Share of what was asked that it made in the last frame.
+    share: Option<f32>,
+}
+
+impl Pace {
+    /// Share of what was asked that the leg made in the last frame, 0..1.
+    pub(super) fn share(&self) -> f32 {
+        self.share.unwrap_or(1.0)
+    }
+
+    /// Notes a pose that nobody asked anything of.
+    pub(super) fn note(&mut self, pose: &Pose, leg: &Leg) {
+        *self = Self { last: Some(leg.joints().map(|joint| pose.local(joint).rotation)), ..Self::default() };
+    }
+
+    /// Turns the leg no further than it may from where it was: by `most` radians. A leg that stands is where it stands,
+    /// once it has arrived.
+    pub(super) fn keep(&mut self, pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, flies: bool, most: f32) {
+        let most = LIVELIER * most;
+        let joints = leg.joints();
+        let asked = joints.map(|joint| pose.local(joint).rotation);
+        let widest = self.last.map_or(0.0, |last| {
+            last.iter().zip(&asked).map(|(last, asked)| angle_between(*last, *asked)).fold(0.0, f32::max)
+        });
+        let share = (most / widest.max(1e-6)).min(self.share() + CATCHES_UP).min(1.0);
+        self.late = (flies || self.late) && share < 1.0;
+        self.share = None;
+        if let Some(last) = self.last.filter(|_| self.late) {
+            self.share = Some(share);
+            for ((joint, last), asked) in joints.into_iter().zip(last).zip(asked) {
+                let mut local = pose.local(joint);
+                local.rotation = last.slerp(asked, share);
+                pose.set_local(joint, local);
+            }
+            pose.update_model_below(skeleton, leg.upper);
+        }
+        self.last = Some(joints.map(|joint| pose.local(joint).rotation));
+    }
+}
