@@ -11,7 +11,9 @@ use crate::{
         Character,
         animator::CharacterPose,
         bind::CharacterAssets,
-        foot_ik::{FootIk, Frames, GroundFilter, GroundFrames, Mode, PhysicsProbe, Pivot, PlacedFoot, Plant, Probe},
+        foot_ik::{
+            FootIk, Frames, GroundFilter, GroundFrames, Mode, NoGround, PhysicsProbe, Pivot, PlacedFoot, Plant, Probe,
+        },
         schedule::PoseSystems,
     },
     rig::character::CharacterAsset,
@@ -86,7 +88,7 @@ fn draw(
     assets: CharacterAssets,
     frames: Frames,
     spatial: SpatialQuery,
-    sensors: Query<(), With<Sensor>>,
+    no_ground: Query<(), NoGround>,
     cameras: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
     gizmos: Gizmos<FootGizmos>,
     words: Gizmos<FootWords>,
@@ -95,7 +97,7 @@ fn draw(
     for (character, root, filter, pose, ik) in &characters {
         let Some(asset) = assets.get(character).filter(|_| ik.placed[0].is_some()) else { continue };
         pen.eye = nearest_eye(&cameras, root.translation);
-        let probe = PhysicsProbe::new(&spatial, &sensors, filter);
+        let probe = PhysicsProbe::new(&spatial, &no_ground, filter);
         for side in 0..2 {
             let Some(placed) = ik.placed[side] else { continue };
             let foot = &ik.feet[side];

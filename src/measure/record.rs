@@ -13,7 +13,7 @@ use crate::{
         Character,
         animator::CharacterPose,
         bind::CharacterAssets,
-        foot_ik::{FootIk, Frames, GroundFilter, GroundFrames, PhysicsProbe, Pivot, Probe},
+        foot_ik::{FootIk, Frames, GroundFilter, GroundFrames, NoGround, PhysicsProbe, Pivot, Probe},
         intent::MoveIntent,
         locomotion::Locomotion,
         motion::MotionState,
@@ -194,7 +194,7 @@ fn record(
     time: Res<Time>,
     assets: CharacterAssets,
     spatial: SpatialQuery,
-    sensors: Query<(), With<Sensor>>,
+    no_ground: Query<(), NoGround>,
     grounds: Frames,
     mut characters: Query<(
         &Character,
@@ -229,7 +229,7 @@ fn record(
             missed: [0, 1].map(|side| ik.placed[side].map(|_| ik.legs[side].missed)),
             playing: &playing(asset, locomotion),
         };
-        recorder.record(&seen, &PhysicsProbe::new(&spatial, &sensors, filter), &grounds, dt);
+        recorder.record(&seen, &PhysicsProbe::new(&spatial, &no_ground, filter), &grounds, dt);
     }
 }
 

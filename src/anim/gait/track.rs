@@ -73,7 +73,8 @@ impl Track {
             let turns = legs.map(|leg| leg.joints().map(|joint| pose.local(joint).rotation));
             if let Some(before) = before.replace(turns) {
                 let (now, before) = (turns.as_flattened(), before.as_flattened());
-                widest = now.iter().zip(before).map(|(now, before)| angle_between(*now, *before)).fold(widest, f32::max);
+                widest =
+                    now.iter().zip(before).map(|(now, before)| angle_between(*now, *before)).fold(widest, f32::max);
             }
         }
         let drift = if clip.duration > 0.0 { (hips[1] - hips[0]) / clip.duration } else { Vec3::ZERO };

@@ -28,7 +28,7 @@ pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room
 pub use legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg, shift_joint};
 pub use near::{Grounds, NearProbe};
 pub use pelvis::{LegReach, PelvisFrame, PelvisState, drop_for};
-pub use probe::{Frames, GroundFilter, PhysicsProbe};
+pub use probe::{Frames, GroundFilter, NoGround, PhysicsProbe};
 pub use ride::{Ride, ride};
 pub use surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings};
 

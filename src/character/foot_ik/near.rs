@@ -7,9 +7,9 @@ use bevy::{ecs::system::SystemParam, prelude::*};
 
 use super::{
     ground::{GroundHit, Probe, Reach},
-    probe::{GroundFilter, PhysicsProbe},
+    probe::{GroundFilter, NoGround, PhysicsProbe},
 };
-use crate::character::motion::ground_below;
+use crate::character::motion::{CharacterMotion, ground_below};
 
 /// Colliders near one character beyond which the world is searched after all.
 const MOST: usize = 24;
@@ -18,7 +18,7 @@ const MOST: usize = 24;
 #[derive(SystemParam)]
 pub struct Grounds<'w, 's> {
     spatial: SpatialQuery<'w, 's>,
-    sensors: Query<'w, 's, (), With<Sensor>>,
+    no_ground: Query<'w, 's, (), NoGround>,
     solids: Query<
         'w,
         's,
@@ -29,7 +29,7 @@ pub struct Grounds<'w, 's> {
             &'static ColliderAabb,
             Option<&'static CollisionLayers>,
         ),
-        Without<Sensor>,
+        (Without<Sensor>, Without<CharacterMotion>),
     >,
 }
 
@@ -71,7 +71,7 @@ impl Grounds<'_, '_> {
         if count > MOST {
             region = ColliderAabb::INVALID;
         }
-        NearProbe { solids, region, everywhere: PhysicsProbe::new(&self.spatial, &self.sensors, filter) }
+        NearProbe { solids, region, everywhere: PhysicsProbe::new(&self.spatial, &self.no_ground, filter) }
     }
 }
 

@@ -7,15 +7,19 @@ use super::{
     ground::{GroundHit, Probe},
     surroundings::GroundFrames,
 };
+use crate::character::motion::CharacterMotion;
 
-/// What counts as ground for a character's feet: everything but itself, unless told otherwise.
+/// What feet never stand on: sensors, and characters.
+pub type NoGround = Or<(With<Sensor>, With<CharacterMotion>)>;
+
+/// What counts as ground for a character's feet: everything but characters and sensors, unless told otherwise.
 #[derive(Component, Clone, Debug, Default)]
 pub struct GroundFilter(pub SpatialQueryFilter);
 
-/// Rays into avian's colliders; sensors and what the filter leaves out are passed through.
+/// Rays into avian's colliders; characters, sensors and what the filter leaves out are passed through.
 pub struct PhysicsProbe<'a, 'w, 's> {
     spatial: &'a SpatialQuery<'w, 's>,
-    sensors: &'a Query<'w, 's, (), With<Sensor>>,
+    no_ground: &'a Query<'w, 's, (), NoGround>,
     filter: &'a SpatialQueryFilter,
 }
 
@@ -24,10 +28,10 @@ impl<'a, 'w, 's> PhysicsProbe<'a, 'w, 's> {
     #[must_use]
     pub fn new(
         spatial: &'a SpatialQuery<'w, 's>,
-        sensors: &'a Query<'w, 's, (), With<Sensor>>,
+        no_ground: &'a Query<'w, 's, (), NoGround>,
         filter: &'a GroundFilter,
     ) -> Self {
-        Self { spatial, sensors, filter: &filter.0 }
+        Self { spatial, no_ground, filter: &filter.0 }
     }
 }
 
@@ -36,7 +40,7 @@ impl Probe for PhysicsProbe<'_, '_, '_> {
         if !start.is_finite() || length.is_nan() || length <= 0.0 {
             return None;
         }
-        let solid = |entity: Entity| !self.sensors.contains(entity);
+        let solid = |entity: Entity| !self.no_ground.contains(entity);
         let hit = self.spatial.cast_ray_predicate(start, Dir3::NEG_Y, length, false, self.filter, &solid)?;
         let normal = if hit.normal.y < 0.0 { -hit.normal } else { hit.normal };
         Some(GroundHit { point: start - Vec3::Y * hit.distance, normal, entity: hit.entity })

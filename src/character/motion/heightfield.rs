@@ -115,7 +115,12 @@ fn rest_on_edge(over: Vec3, radius: f32, from: Vec3, to: Vec3) -> Option<Rest> {
 /// Height and unit normal of an upright field straight below `from`; `Some(None)` where there is no ground, `None` for a
 /// field that is tilted.
 #[must_use]
-pub(in crate::character) fn ground_below(field: &HeightField, position: Vec3, rotation: Quat, from: Vec3) -> Option<Option<(f32, Vec3)>> {
+pub(in crate::character) fn ground_below(
+    field: &HeightField,
+    position: Vec3,
+    rotation: Quat,
+    from: Vec3,
+) -> Option<Option<(f32, Vec3)>> {
     if (rotation * Vec3::Y).y < UPRIGHT {
         return None;
     }
@@ -125,9 +130,19 @@ pub(in crate::character) fn ground_below(field: &HeightField, position: Vec3, ro
     let (one, other) = field.triangles_at(row, column);
     let corner = |v: Vector| Vec3::new(v.x, v.y, v.z);
     let under = [one, other].into_iter().flatten().find_map(|triangle| {
-        let corners = [triangle.a, triangle.b, triangle.c].map(corner);
-        let rest = rest_on_face(local, 0.0, corners)?;
-        (rest.height <= local.y).then_some((position.y + rest.height, rotation * rest.normal))
+        let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(corner);
+        // Twice the areas, seen from above, that `local` spans with each edge: all of one sign inside.
+        let side = |from: Vec3, to: Vec3| (to.x - from.x) * (local.z - from.z) - (to.z - from.z) * (local.x - from.x);
+        let shares = Vec3::new(side(b, c), side(c, a), side(a, b));
+        if !(shares.cmpge(Vec3::splat(-SEAM)).all() || shares.cmple(Vec3::splat(SEAM)).all()) {
+            return None;
+        }
+        let height = shares.dot(Vec3::new(a.y, b.y, c.y)) / shares.element_sum();
+        (height <= local.y).then(|| {
+            let cross = (b - a).cross(c - a);
+            let normal = (if cross.y < 0.0 { -cross } else { cross }).normalize_or(Vec3::Y);
+            (position.y + height, rotation * normal)
+        })
     });
     Some(under)
 }

@@ -37,9 +37,9 @@ use super::{
     schedule::{MotionSystems, SchedulePlugin},
 };
 use crate::rig::tuning::motion::MotionConfig;
-pub(in crate::character) use heightfield::ground_below;
 use body::MotionBody;
 use capsule::MotionShapes;
+pub(in crate::character) use heightfield::ground_below;
 use space::{Space, View};
 use speed::limit_strafe;
 use tick::Tick;

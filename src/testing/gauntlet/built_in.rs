@@ -24,7 +24,7 @@ use crate::{
         skeleton::{JointIndex, JointTransform, Skeleton},
     },
     character::{
-        foot_ik::{Frames, GroundFilter, PhysicsProbe},
+        foot_ik::{Frames, GroundFilter, NoGround, PhysicsProbe},
         intent::MoveIntent,
         motion::{CharacterMotion, MotionState},
         schedule::PoseSystems,
@@ -166,7 +166,7 @@ fn choose(mut puppets: Query<(&MotionState, &mut Puppet, &mut AnimationPlayer, &
 fn record(
     time: Res<Time>,
     spatial: SpatialQuery,
-    sensors: Query<(), With<Sensor>>,
+    no_ground: Query<(), NoGround>,
     grounds: Frames,
     joints: Query<&Transform, (With<AnimationTargetId>, Without<Puppet>)>,
     mut puppets: Query<(
@@ -219,6 +219,6 @@ fn record(
             missed: [None; 2],
             playing: &heard().map(|(animation, clip)| Playing { clip, rate: animation.speed() }).collect::<Vec<_>>(),
         };
-        recorder.record(&seen, &PhysicsProbe::new(&spatial, &sensors, filter), &grounds, dt);
+        recorder.record(&seen, &PhysicsProbe::new(&spatial, &no_ground, filter), &grounds, dt);
     }
 }
