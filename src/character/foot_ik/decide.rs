@@ -3,6 +3,8 @@
 //! World space, metres, +Y up. The clip's contacts decide, and how far the body has left a plant; who stops finishes his
 //! steps himself.
 
+use bevy::prelude::*;
+
 use super::{
     flight::{Flight, ease},
     foot::{FootState, Mode, Release, anchor_world, flat},
@@ -10,6 +12,7 @@ use super::{
     landing::Landing,
     surroundings::{AnimatedFoot, GroundFrames, Surroundings},
 };
+use crate::math::rotation::from_scaled_axis;
 
 /// How much more a lock endures, in place and turn, while a gait plays.
 const PATIENCE: f32 = 1.5;
@@ -95,7 +98,9 @@ impl FootState {
         let plant = self.plant().copied();
         if let Some((plant, anchor)) = plant.and_then(|plant| Some((plant, anchor_world(&plant, around.frames)?))) {
             // It takes off from where it is held now, not from where the ball was in the last frame.
-            self.placed_ball = (foot.ball + flat(anchor - foot.point(plant.pivot))).with_y(self.placed_ball.y);
+            self.yaw_offset = plant.yaw_offset(foot, around.frames);
+            let from_pivot = from_scaled_axis(Vec3::Y * self.yaw_offset) * (foot.ball - foot.point(plant.pivot));
+            self.placed_ball = (anchor + from_pivot).with_y(self.placed_ball.y);
         }
         self.released = why;
         self.mode = Mode::Swing;

@@ -17,7 +17,10 @@ use super::{
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
     turns::{flattening, limited_align},
 };
-use crate::math::{rotation::from_scaled_axis, spring::Spring};
+use crate::math::{
+    rotation::{from_scaled_axis, heading, twist_angle, wrap_angle},
+    spring::Spring,
+};
 
 /// Which point of the sole a planted foot turns about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
@@ -65,6 +68,14 @@ pub struct Plant {
     pub normal_ground: Vec3,
     /// Heading of the foot, radians, as seen from the ground's own turn about +Y.
     pub yaw_ground: f32,
+}
+
+impl Plant {
+    /// Turn about +Y from the clip's foot to the held one, radians.
+    pub(super) fn yaw_offset(&self, foot: &AnimatedFoot, frames: &impl GroundFrames) -> f32 {
+        let ground = frames.frame(self.ground).map_or(0.0, |frame| twist_angle(frame.rotation, Vec3::Y));
+        wrap_angle(ground + self.yaw_ground - heading(foot.forward))
+    }
 }
 
 /// What a foot does.

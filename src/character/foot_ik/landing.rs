@@ -6,14 +6,17 @@
 use bevy::prelude::*;
 
 use super::{
+    flight::ease,
     ground::{Footprint, Plane, Probe, find_room, footprint},
     surroundings::{GroundFrames, Surroundings},
     turns::limited_align,
 };
-use crate::math::spring::{Spring, damp, damp_quat};
+use crate::math::spring::{Spring, damp, damp_quat, remaining};
 
 /// Seconds before contact from which the landing is not moved any more.
 const SETTLED: f32 = 0.1;
+/// Seconds before that over which it is moved less and less.
+const SETTLES: f32 = 0.1;
 /// Metres that a place may move before its ground is probed again.
 const MOVED: f32 = 0.01;
 /// Half-life in seconds over which a landing follows what is found; shorter when little time is left.
@@ -39,7 +42,10 @@ pub(super) struct Landing {
     shift: f32,
     wanted_shift: f32,
     height: Spring<f32>,
-    settled: Option<Vec3>,
+    /// Whether the place is not moved any more; where the clip would land, and how far from there it has stayed behind.
+    settled: bool,
+    clip: Vec3,
+    behind: Vec3,
     /// Where the ground was probed last, as seen from which height, and what was there.
     probed: Option<(Vec3, Option<Footprint>)>,
     known: bool,
@@ -70,7 +76,8 @@ impl Landing {
     ) {
         let first = !self.known;
         self.known = true;
-        self.probe(self.settled.unwrap_or(ball), forward, around);
+        let ball = self.follow(ball, time_left, first, around.dt);
+        self.probe(ball, forward, around);
         let print = self.probed.and_then(|(_, print)| print);
         let half_life = if first { 0.0 } else { FOLLOW.min(0.25 * time_left).max(0.01) };
         self.shift = damp(self.shift, self.wanted_shift, half_life, around.dt);
@@ -83,12 +90,25 @@ impl Landing {
         self.height.step(level, half_life, around.dt);
         self.align = damp_quat(self.align, align, half_life, around.dt);
         self.over_edge = print.is_some_and(|print| print.heel_gap > EDGE);
-        if time_left < SETTLED && self.settled.is_none() {
-            self.settled = Some(ball + forward * self.wanted_shift);
+        self.place = (ball + forward * self.shift).with_y(self.height.value);
+        if time_left < SETTLED && !self.settled {
+            self.settled = true;
+            self.behind += forward * self.wanted_shift;
             self.shift -= self.wanted_shift;
             self.wanted_shift = 0.0;
         }
-        self.place = (self.settled.unwrap_or(ball) + forward * self.shift).with_y(self.height.value);
+    }
+
+    /// The clip's place, followed less and less as the foot comes down.
+    fn follow(&mut self, clip: Vec3, time_left: f32, first: bool, dt: f32) -> Vec3 {
+        let follows = ease(((time_left - SETTLED) / SETTLES).clamp(0.0, 1.0));
+        let moved = if first { Vec3::ZERO } else { clip - self.clip };
+        self.clip = clip;
+        self.behind -= moved * (1.0 - follows);
+        if follows >= 1.0 {
+            self.behind = self.behind * remaining(FOLLOW, dt);
+        }
+        clip + self.behind
     }
 
     /// How far, 0..1, the place is a step down from ground at `takeoff`, rather than further down one slope.
@@ -115,7 +135,7 @@ impl Landing {
         if self.probed.is_some_and(|(last, _)| last.distance(seen) < MOVED) {
             return;
         }
-        let print = if self.settled.is_some() {
+        let print = if self.settled {
             print_at(ball, forward, around)
         } else {
             let most = around.config.landing_shift;

@@ -85,8 +85,7 @@ impl FootState {
         let frame = around.frames.frame(plant.ground).unwrap_or(Isometry3d::IDENTITY);
         let anchor = frame * plant.anchor_ground;
         let normal = frame.rotation * plant.normal_ground;
-        let held = twist_angle(frame.rotation, Vec3::Y) + plant.yaw_ground;
-        self.yaw_offset = wrap_angle(held - heading(foot.forward));
+        self.yaw_offset = plant.yaw_offset(foot, around.frames);
         // The clip brings the forefoot down by itself.
         self.flatten.step(self.flatten.value.round(), 0.05, dt);
         self.toes_down *= remaining(HEEL_DOWN, dt);
