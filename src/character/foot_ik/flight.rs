@@ -227,7 +227,7 @@ impl FootState {
         let keeps = (CLEARS + TOUCH) * self.flight.amid() - TOUCH;
         for point in placed.sole {
             if let Some(hit) = around.reach.at(around.probe, point) {
-                deepest = deepest.max(hit.point.y - point.y + keeps);
+                deepest = deepest.max(hit.point.y - point.y + keeps + self.droops);
             }
         }
         self.flight.guard = deepest;

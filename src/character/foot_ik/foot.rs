@@ -108,6 +108,8 @@ pub struct FootState {
     pub(super) landing: Landing,
     /// What it keeps of its motion when its way changes.
     pub(super) carry: Carry,
+    /// Metres by which an ankle that is late held the sole lower than asked, in the last frame.
+    pub(super) droops: f32,
     /// How fast its leg may move.
     pub(super) pace: Pace,
     /// Metres from the sole's lowest point, in the air, down to where it will stand.

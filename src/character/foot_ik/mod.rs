@@ -384,6 +384,10 @@ impl Body<'_> {
         }
         let most = self.locomotion.leg_speed(self.asset) * self.dt;
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), most);
+        let lowest = sole_model(&pose.pose, leg).into_iter().map(|point| point.y).fold(f32::MAX, f32::min);
+        let asked = placed.sole.into_iter().map(|point| point.y).fold(f32::MAX, f32::min) - ankle_world.y;
+        let below = asked - (lowest - pose.pose.position(leg.foot).y);
+        foot.droops = if foot.pace.is_late() { below.max(0.0) } else { 0.0 };
         result
     }
 }

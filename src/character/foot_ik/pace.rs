@@ -22,13 +22,22 @@ pub(super) struct Pace {
     /// Whether it is behind what was asked.
     late: bool,
     /// Share of what was asked that it made in the last frame.
-    share: Option<f32>,
+    share: Option<[f32; 2]>,
 }
 
 impl Pace {
     /// Share of what was asked that the leg made in the last frame, 0..1.
     pub(super) fn share(&self) -> f32 {
-        self.share.unwrap_or(1.0)
+        self.shares()[0]
+    }
+
+    fn shares(&self) -> [f32; 2] {
+        self.share.unwrap_or([1.0; 2])
+    }
+
+    /// Whether the leg is behind what was asked.
+    pub(super) fn is_late(&self) -> bool {
+        self.late
     }
 
     /// Notes a pose that nobody asked anything of.
@@ -42,17 +51,18 @@ impl Pace {
         let most = LIVELIER * most;
         let joints = leg.joints();
         let asked = joints.map(|joint| pose.local(joint).rotation);
-        let widest = self.last.map_or(0.0, |last| {
-            last.iter().zip(&asked).map(|(last, asked)| angle_between(*last, *asked)).fold(0.0, f32::max)
-        });
-        let share = (most / widest.max(1e-6)).min(self.share() + CATCHES_UP).min(1.0);
-        self.late = (flies || self.late) && share < 1.0;
+        let turns = self.last.map_or([0.0; 3], |last| [0, 1, 2].map(|joint| angle_between(last[joint], asked[joint])));
+        // Hip and knee together, so that the foot keeps to its way; the ankle by itself.
+        let shares = [turns[0].max(turns[1]), turns[2]].map(|turn| (most / turn.max(1e-6)).min(1.0));
+        let shares = [0, 1].map(|part| shares[part].min(self.shares()[part] + CATCHES_UP).min(1.0));
+        let late = shares[0].min(shares[1]) < 1.0;
+        self.late = (flies || self.late) && late;
         self.share = None;
         if let Some(last) = self.last.filter(|_| self.late) {
-            self.share = Some(share);
-            for ((joint, last), asked) in joints.into_iter().zip(last).zip(asked) {
+            self.share = Some(shares);
+            for (index, joint) in joints.into_iter().enumerate() {
                 let mut local = pose.local(joint);
-                local.rotation = last.slerp(asked, share);
+                local.rotation = last[index].slerp(asked[index], shares[index / 2]);
                 pose.set_local(joint, local);
             }
             pose.update_model_below(skeleton, leg.upper);
