@@ -19,6 +19,7 @@ const CATCHES_UP: f32 = 0.25;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pace {
     last: Option<[Quat; 3]>,
+    toes: Option<Quat>,
     /// Whether it is behind what was asked.
     late: bool,
     /// Share of what was asked that it made in the last frame.
@@ -29,6 +30,21 @@ impl Pace {
     /// Share of what was asked that the leg made in the last frame, 0..1.
     pub(super) fn share(&self) -> f32 {
         self.shares()[0]
+    }
+
+    /// Toes never turn faster than they may.
+    fn keep_toes(&mut self, pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, most: f32) {
+        let Some(toes) = leg.toes else { return };
+        let mut local = pose.local(toes);
+        let asked = local.rotation;
+        let last = self.toes.unwrap_or(asked);
+        let turn = angle_between(last, asked);
+        if turn > most {
+            local.rotation = last.slerp(asked, most / turn);
+            pose.set_local(toes, local);
+            pose.update_model_below(skeleton, toes);
+        }
+        self.toes = Some(local.rotation);
     }
 
     fn shares(&self) -> [f32; 2] {
@@ -42,7 +58,8 @@ impl Pace {
 
     /// Notes a pose that nobody asked anything of.
     pub(super) fn note(&mut self, pose: &Pose, leg: &Leg) {
-        *self = Self { last: Some(leg.joints().map(|joint| pose.local(joint).rotation)), ..Self::default() };
+        let rotation = |joint| pose.local(joint).rotation;
+        *self = Self { last: Some(leg.joints().map(rotation)), toes: leg.toes.map(rotation), ..Self::default() };
     }
 
     /// Turns the leg no further than it may from where it was: by `most` radians. A leg that stands is where it stands,
@@ -67,6 +84,7 @@ impl Pace {
             }
             pose.update_model_below(skeleton, leg.upper);
         }
+        self.keep_toes(pose, skeleton, leg, most);
         self.last = Some(joints.map(|joint| pose.local(joint).rotation));
     }
 }
