@@ -167,7 +167,7 @@ impl FootIk {
             self.pelvis.fly_free(body.hips(pose), body.dt);
             for ((foot, animated), leg) in self.feet.iter_mut().zip(&animated).zip(&body.asset.legs) {
                 foot.fly_free(animated, body.dt);
-                foot.pace.note(&pose.pose, leg);
+                foot.pace.note(&pose.pose, leg, body.dt);
             }
             return;
         }
@@ -382,8 +382,8 @@ impl Body<'_> {
         if let Some((toes, rotation)) = toes.filter(|_| lifted > 0.0) {
             keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
         }
-        let most = self.locomotion.leg_speed(self.asset) * self.dt;
-        foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), most);
+        let fastest = self.locomotion.leg_speed(self.asset);
+        foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
         let lowest = sole_model(&pose.pose, leg).into_iter().map(|point| point.y).fold(f32::MAX, f32::min);
         let asked = placed.sole.into_iter().map(|point| point.y).fold(f32::MAX, f32::min) - ankle_world.y;
         let below = asked - (lowest - pose.pose.position(leg.foot).y);

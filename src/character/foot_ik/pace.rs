@@ -7,11 +7,13 @@ use bevy::prelude::*;
 
 use crate::{
     anim::{leg::Leg, pose::Pose, skeleton::Skeleton},
-    math::rotation::angle_between,
+    math::rotation::{angle_between, to_scaled_axis},
 };
 
 /// How much faster than in the clips a leg may move: up to twice looks like the clip.
 const LIVELIER: f32 = 1.9;
+/// Seconds in which a leg at rest may come to move as fast as it may.
+const STARTS: f32 = 0.025;
 /// Share of what is asked by which a leg that is late makes more of it in every frame, until it has caught up.
 const CATCHES_UP: f32 = 0.25;
 
@@ -19,36 +21,19 @@ const CATCHES_UP: f32 = 0.25;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pace {
     last: Option<[Quat; 3]>,
+    /// Angular velocities of hip, knee and ankle, rad/s.
+    speeds: [Vec3; 3],
     toes: Option<Quat>,
     /// Whether it is behind what was asked.
     late: bool,
-    /// Share of what was asked that it made in the last frame.
-    share: Option<[f32; 2]>,
+    /// Share of what was asked that hip and knee, and the ankle, made in the last frame.
+    shares: Option<[f32; 2]>,
 }
 
 impl Pace {
     /// Share of what was asked that the leg made in the last frame, 0..1.
     pub(super) fn share(&self) -> f32 {
-        self.shares()[0]
-    }
-
-    /// Toes never turn faster than they may.
-    fn keep_toes(&mut self, pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, most: f32) {
-        let Some(toes) = leg.toes else { return };
-        let mut local = pose.local(toes);
-        let asked = local.rotation;
-        let last = self.toes.unwrap_or(asked);
-        let turn = angle_between(last, asked);
-        if turn > most {
-            local.rotation = last.slerp(asked, most / turn);
-            pose.set_local(toes, local);
-            pose.update_model_below(skeleton, toes);
-        }
-        self.toes = Some(local.rotation);
-    }
-
-    fn shares(&self) -> [f32; 2] {
-        self.share.unwrap_or([1.0; 2])
+        self.shares.map_or(1.0, |[leg, _]| leg)
     }
 
     /// Whether the leg is behind what was asked.
@@ -57,34 +42,86 @@ impl Pace {
     }
 
     /// Notes a pose that nobody asked anything of.
-    pub(super) fn note(&mut self, pose: &Pose, leg: &Leg) {
+    pub(super) fn note(&mut self, pose: &Pose, leg: &Leg, dt: f32) {
         let rotation = |joint| pose.local(joint).rotation;
-        *self = Self { last: Some(leg.joints().map(rotation)), toes: leg.toes.map(rotation), ..Self::default() };
+        let now = leg.joints().map(rotation);
+        self.note_speeds(now, dt);
+        *self = Self { last: Some(now), toes: leg.toes.map(rotation), speeds: self.speeds, ..Self::default() };
     }
 
-    /// Turns the leg no further than it may from where it was: by `most` radians. A leg that stands is where it stands,
-    /// once it has arrived.
-    pub(super) fn keep(&mut self, pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, flies: bool, most: f32) {
-        let most = LIVELIER * most;
+    fn note_speeds(&mut self, now: [Quat; 3], dt: f32) {
+        self.speeds = self.turns(now).map(|turn| turn / dt.max(1e-4));
+    }
+
+    /// Turns since the last frame, in each joint's own space then.
+    fn turns(&self, now: [Quat; 3]) -> [Vec3; 3] {
+        let Some(last) = self.last else { return [Vec3::ZERO; 3] };
+        [0, 1, 2].map(|joint| to_scaled_axis(last[joint].inverse() * now[joint]))
+    }
+
+    /// Turns the leg no faster than `fastest` lets it (rad/s, that of the clips). A leg that stands is where it stands, once
+    /// it has arrived.
+    pub(super) fn keep(
+        &mut self,
+        pose: &mut Pose,
+        skeleton: &Skeleton,
+        leg: &Leg,
+        flies: bool,
+        (fastest, dt): (f32, f32),
+    ) {
+        let most = LIVELIER * fastest * dt;
         let joints = leg.joints();
         let asked = joints.map(|joint| pose.local(joint).rotation);
-        let turns = self.last.map_or([0.0; 3], |last| [0, 1, 2].map(|joint| angle_between(last[joint], asked[joint])));
+        let turns = self.turns(asked);
+        let shares = [0, 1, 2].map(|joint| share(turns[joint], self.speeds[joint] * dt, most, dt));
         // Hip and knee together, so that the foot keeps to its way; the ankle by itself.
-        let shares = [turns[0].max(turns[1]), turns[2]].map(|turn| (most / turn.max(1e-6)).min(1.0));
-        let shares = [0, 1].map(|part| shares[part].min(self.shares()[part] + CATCHES_UP).min(1.0));
-        let late = shares[0].min(shares[1]) < 1.0;
-        self.late = (flies || self.late) && late;
-        self.share = None;
+        let before = self.shares.unwrap_or([1.0; 2]);
+        let shares = [shares[0].min(shares[1]).min(before[0] + CATCHES_UP), shares[2].min(before[1] + CATCHES_UP)];
+        self.late = (flies || self.late) && shares[0].min(shares[1]) < 1.0;
+        self.shares = None;
         if let Some(last) = self.last.filter(|_| self.late) {
-            self.share = Some(shares);
+            self.shares = Some(shares.map(|share| share.min(1.0)));
             for (index, joint) in joints.into_iter().enumerate() {
                 let mut local = pose.local(joint);
-                local.rotation = last[index].slerp(asked[index], shares[index / 2]);
+                local.rotation = last[index].slerp(asked[index], shares[index / 2].min(1.0));
                 pose.set_local(joint, local);
             }
             pose.update_model_below(skeleton, leg.upper);
         }
         self.keep_toes(pose, skeleton, leg, most);
-        self.last = Some(joints.map(|joint| pose.local(joint).rotation));
+        let now = joints.map(|joint| pose.local(joint).rotation);
+        self.note_speeds(now, dt);
+        self.last = Some(now);
     }
+
+    /// Toes never turn faster than they may.
+    fn keep_toes(&mut self, pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, most: f32) {
+        let Some(toes) = leg.toes else { return };
+        let mut local = pose.local(toes);
+        let last = self.toes.unwrap_or(local.rotation);
+        let turn = angle_between(last, local.rotation);
+        if turn > most {
+            local.rotation = last.slerp(local.rotation, most / turn);
+            pose.set_local(toes, local);
+            pose.update_model_below(skeleton, toes);
+        }
+        self.toes = Some(local.rotation);
+    }
+}
+
+/// Share of the turn `asked` that a joint may make, which turned by `last` in the frame before: `most` radians, and not much
+/// more than then.
+fn share(asked: Vec3, last: Vec3, most: f32, dt: f32) -> f32 {
+    let angle = asked.length();
+    if angle < 1e-6 {
+        return 1.0;
+    }
+    let more = most * dt / STARTS;
+    // The largest share with |share·asked - last| ≤ more.
+    let along = asked.dot(last) / angle;
+    let reach = along * along - last.length_squared() + more * more;
+    let starts = if reach >= 0.0 { along + reach.sqrt() } else { along };
+    // Whoever slows may stop at once.
+    let starts = if angle <= last.length() { angle } else { starts.max(0.0) };
+    (starts.min(most) / angle).min(1.0)
 }
