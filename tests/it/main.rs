@@ -17,6 +17,7 @@ mod mannequin;
 mod motion;
 #[cfg(feature = "render")]
 mod pictures;
+mod probes;
 mod quality;
 #[cfg(feature = "render")]
 mod render_support;

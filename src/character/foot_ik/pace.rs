@@ -125,3 +125,51 @@ fn share(asked: Vec3, last: Vec3, most: f32, dt: f32) -> f32 {
     let starts = if angle <= last.length() { angle } else { starts.max(0.0) };
     (starts.min(most) / angle).min(1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f32 = 1.0 / 60.0;
+
+    /// Degrees that a joint turns in each frame, asked at once for `degrees` in a clip that has legs of `fastest` °/s.
+    fn steps(degrees: f32, fastest: f32) -> Vec<f32> {
+        let (mut at, mut last) = (0.0f32, 0.0f32);
+        let most = LIVELIER * fastest * DT;
+        (0..120)
+            .map(|_| {
+                let asked = Vec3::X * (degrees - at).to_radians();
+                let step = (degrees - at) * share(asked, Vec3::X * last.to_radians(), most.to_radians(), DT);
+                (at, last) = (at + step, step);
+                step
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_leg_moves_no_faster_than_twice_its_clips() {
+        for step in steps(90.0, 300.0) {
+            assert!(step <= 10.0 + 1e-3, "turns by {step}° in a frame, clips by 5°");
+        }
+    }
+
+    #[test]
+    fn it_comes_where_it_is_asked_to() {
+        let made: f32 = steps(90.0, 300.0).iter().sum();
+        assert!((made - 90.0).abs() < 0.01, "turned by {made}° of 90°");
+    }
+
+    #[test]
+    fn it_starts_over_some_frames() {
+        let steps = steps(90.0, 300.0);
+        let first = steps[0];
+        assert!(first < 0.7 * LIVELIER * 5.0, "turns by {first}° in the first frame");
+    }
+
+    #[test]
+    fn what_is_slow_enough_is_not_touched() {
+        let slow = Vec3::new(0.02, -0.01, 0.005);
+        let share = share(slow, slow * 0.9, 0.1, DT);
+        assert!(share >= 1.0, "makes {share} of a turn that is slow enough");
+    }
+}
