@@ -46,6 +46,12 @@ impl Inertializer {
         }
     }
 
+    /// Whether an offset is still decaying.
+    #[must_use]
+    pub fn is_active(&self) -> bool {
+        self.active
+    }
+
     /// From now on `pose` is played instead of what was recorded: the difference becomes the offset.
     ///
     /// `half_life` in seconds. Without two recorded frames there is nothing to carry over.

@@ -6,7 +6,6 @@
 mod flight;
 mod foot;
 mod ground;
-mod legs;
 mod pelvis;
 mod probe;
 mod surroundings;
@@ -17,14 +16,19 @@ use bevy::prelude::*;
 
 pub use foot::{FootState, Mode, Pivot, Plant, Release};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
-pub use legs::{LegJoints, LegResult, heel_lift, keep_rotation, place_leg, shift_joint};
 pub use pelvis::{LegReach, PelvisState, drop_for};
 pub use probe::{Frames, GroundFilter, PhysicsProbe};
 pub use surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings};
 
 use super::{
-    Character, animator::CharacterPose, bind::CharacterAssets, locomotion::Locomotion, motion::MotionState,
-    schedule::PoseSystems, sole::sole_model,
+    Character,
+    animator::CharacterPose,
+    bind::CharacterAssets,
+    legs::{LegJoints, LegResult, heel_lift, keep_rotation, place_leg, shift_joint},
+    locomotion::Locomotion,
+    motion::MotionState,
+    schedule::PoseSystems,
+    sole::sole_model,
 };
 use crate::{
     anim::{ik::two_bone::Extension, leg::Leg, pose::Pose},
@@ -37,6 +41,8 @@ const TUNED_LEG: f32 = 0.875;
 
 /// Reach that the pelvis leaves to a lifted heel, as a fraction of the leg.
 const HEEL_SLACK: f32 = 0.04;
+/// Upward speed in m/s from which a body in the air has jumped.
+const RISING: f32 = 0.5;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.3;
 
@@ -127,7 +133,9 @@ struct Body<'a> {
 impl FootIk {
     fn place(&mut self, body: &Body<'_>, pose: &mut CharacterPose, probe: &impl Probe, frames: &impl GroundFrames) {
         let config = &body.asset.file.foot_ik;
-        let grounded = body.motion.ground.is_some() || body.motion.air_time < 0.1;
+        // A step down a ledge is no flight yet, a jump is.
+        let rises = body.motion.velocity.y > RISING;
+        let grounded = body.motion.ground.is_some() || (body.motion.air_time < 0.1 && !rises);
         let goal = if config.enabled && grounded { 1.0 } else { 0.0 };
         self.weight = damp(self.weight, goal, config.air_half_life, body.dt);
         if body.motion.teleports != self.teleports || self.weight < 0.01 {
@@ -186,7 +194,7 @@ impl FootIk {
             };
             placed[side].landing.map_or(now, |(landing, seconds)| body.landed(now, landing, seconds, &animated[side]))
         });
-        let offset = self.pelvis.advance(&legs, body.motion.stepped, self.weight, config, body.dt);
+        let offset = self.weight * self.pelvis.advance(&legs, body.motion.stepped, self.weight, config, body.dt);
         if offset.abs() > 1e-6 {
             shift_joint(&mut pose.pose, &body.asset.skeleton, body.asset.hips, Vec3::Y * offset);
         }

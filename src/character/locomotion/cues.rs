@@ -20,6 +20,9 @@ pub struct FootCue {
     pub landing_model: Option<Vec3>,
 }
 
+/// Seconds after a flight within which the feet come down to where the clips have them.
+const TOUCHDOWN: f32 = 0.07;
+
 /// Per foot: where the ball is at the moment of contact, the sole laid flat; model space. `None` for a foot that never
 /// lands.
 pub(super) type Landing = [Option<Vec3>; 2];
@@ -55,7 +58,7 @@ pub(super) fn cue(locomotion: &Locomotion, asset: &CharacterAsset, foot: usize) 
         let (gait, weight, phase) = (&playing.clip.gait, playing.weight, playing.gait_phase);
         let contact = gait.contact_weight(foot, phase);
         cue.contact += weight * contact;
-        if !machine.steps(playing.state) {
+        if !machine.steps(playing.state) && locomotion.since_landing >= TOUCHDOWN {
             continue;
         }
         if let Some(ball) = playing.landing[foot] {
@@ -67,6 +70,11 @@ pub(super) fn cue(locomotion: &Locomotion, asset: &CharacterAsset, foot: usize) 
                 cue.time_to_contact = way / machine.cycle_rate(playing.state).max(0.2);
             }
         }
+    }
+    if locomotion.since_landing < TOUCHDOWN && cue.contact > 0.0 {
+        // The clip stands already, but what is left of the flight's pose still fades.
+        cue.contact = 0.0;
+        cue.time_to_contact = TOUCHDOWN - locomotion.since_landing;
     }
     if landing_weight > 0.0 {
         cue.landing_model = Some(landing / landing_weight);

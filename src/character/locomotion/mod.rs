@@ -38,6 +38,9 @@ pub struct Locomotion {
     last_root: Option<Vec3>,
     /// `MotionState::jumps` of the last frame.
     jumps: Option<u32>,
+    /// Seconds since the end of a flight.
+    since_landing: f32,
+    flying: bool,
 }
 
 /// A clip of a state.
@@ -90,6 +93,8 @@ impl Locomotion {
             grade: 0.0,
             last_root: None,
             jumps: None,
+            since_landing: f32::INFINITY,
+            flying: false,
         }
     }
 
@@ -133,6 +138,12 @@ impl Locomotion {
         self.playing(asset).filter(|playing| playing.clip.name == name).map(|playing| playing.weight).sum()
     }
 
+    /// Rise over run of the way it goes, smoothed.
+    #[must_use]
+    pub fn grade(&self) -> f32 {
+        self.grade
+    }
+
     /// Goes on where `other` is, as far as it has the same states: for a character whose file has changed.
     pub fn take_over(&mut self, other: &Self) {
         self.machine.take_over(&other.machine);
@@ -152,6 +163,12 @@ fn facts_of(clip: &CharacterClip) -> ClipFacts {
 }
 
 impl Locomotion {
+    fn watch_landing(&mut self, motion: &MotionState, dt: f32) {
+        let grounded = motion.ground.is_some();
+        self.since_landing = if grounded && self.flying { 0.0 } else { self.since_landing + dt };
+        self.flying = !grounded && (self.flying || motion.air_time > FLIGHT);
+    }
+
     /// Rise over run of the root's way, smoothed.
     fn follow_grade(&mut self, root: Vec3, dt: f32) {
         let last = self.last_root.replace(root).unwrap_or(root);
@@ -162,6 +179,8 @@ impl Locomotion {
     }
 }
 
+/// Seconds in the air from which a landing is one.
+const FLIGHT: f32 = 0.1;
 /// Half-life in seconds over which the grade of the way is found.
 const GRADE_HALF_LIFE: f32 = 0.15;
 
@@ -201,6 +220,7 @@ fn locomote(
             triggers: &locomotion.triggers,
         };
         locomotion.taken = locomotion.machine.advance(&facts, dt);
+        locomotion.watch_landing(motion, dt);
         locomotion.triggers.clear();
         for foot in 0..2 {
             locomotion.cues[foot] = cues::cue(locomotion, asset, foot);

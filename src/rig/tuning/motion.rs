@@ -46,7 +46,7 @@ pub struct MotionConfig {
     pub radius: f32,
     /// Height of the capsule from the ground to its top, metres. Default 1.8.
     pub height: f32,
-    /// Height while crouched, metres. Default 1.2.
+    /// Height while crouched, metres. Default 1.35.
     pub crouch_height: f32,
     /// Steepest ground to walk on, degrees in RON. Default 45°. Steeper ground is slid down.
     #[serde(with = "super::degrees")]
@@ -98,7 +98,7 @@ impl Default for MotionConfig {
             standing_turn_rate: 200f32.to_radians(),
             radius: 0.28,
             height: 1.8,
-            crouch_height: 1.2,
+            crouch_height: 1.35,
             slope_limit: 45f32.to_radians(),
             step_up: 0.35,
             step_down: 0.35,

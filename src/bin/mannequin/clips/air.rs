@@ -1,7 +1,8 @@
-//! `jump`, `fall`, `land_light`, `land_hard`: off the ground and back.
+//! `jump`, `leap`, `fall`, `land_light`, `land_hard`: off the ground and back.
 //!
-//! The game moves the root: it leaves the ground at once when a jump begins, so the clip starts in the push-off. Landings
-//! start at touch-down and come to stand on the feet of `idle`, which do not move from then on.
+//! The game moves the root: it leaves the ground at once when a jump begins, so the clips start in the push-off. Landings
+//! start at touch-down and come to stand on the feet of `idle`, which do not move from then on. How deep the body sinks
+//! there is mostly the game's business too, since that depends on the speed of the fall.
 
 use super::super::clip::Clip;
 use super::body::Figure;
@@ -10,6 +11,7 @@ use super::keyed::{Keyed, Reach, Step, Still};
 use super::record::{Moment, Timing, record};
 
 const JUMP: f64 = 0.55;
+const LEAP: f64 = 0.75;
 const FALL: f64 = 1.2;
 
 fn pushing() -> Still {
@@ -76,24 +78,24 @@ fn falling(phase: f64) -> Still {
     Still {
         drop: -0.01 + wave(phase, 2.0, 0.3, 0.004),
         ahead: -0.01,
-        pelvis: 10.0 + wave(phase, 1.0, 0.6, 1.0),
-        thorax: 13.0 + wave(phase, 1.0, 0.35, 1.5),
+        pelvis: 7.0 + wave(phase, 1.0, 0.6, 1.5),
+        thorax: 9.0 + wave(phase, 1.0, 0.35, 2.0),
         head: 12.0,
         shrug: 3.0,
         steps: [
             Step {
                 x: 0.125,
-                z: -0.11 + 0.03 * paddle,
-                up: 0.15 + 0.015 * paddle,
-                pitch: -34.0 + 3.0 * paddle,
+                z: -0.17 + 0.05 * paddle,
+                up: 0.025 + 0.02 * paddle,
+                pitch: -42.0 - 5.0 * paddle,
                 toes: 3.0,
                 out: 10.0,
             },
             Step {
                 x: 0.130,
-                z: 0.10 - 0.03 * paddle,
-                up: 0.22 - 0.02 * paddle,
-                pitch: -18.0 - 3.0 * paddle,
+                z: 0.15 - 0.05 * paddle,
+                up: 0.09 - 0.035 * paddle,
+                pitch: -16.0 - 4.0 * paddle,
                 toes: 3.0,
                 out: 12.0,
             },
@@ -106,7 +108,7 @@ fn falling(phase: f64) -> Still {
 fn touching() -> Still {
     let [left, right] = Still::STANDING.steps;
     Still {
-        drop: 0.05,
+        drop: 0.02,
         ahead: -0.005,
         pelvis: 10.0,
         thorax: 13.0,
@@ -123,10 +125,10 @@ fn touching() -> Still {
 fn absorbing() -> Still {
     let arm = Reach { flex: 8.0, abduct: 30.0, elbow: 48.0, inward: 10.0, curl: 0.4 };
     Still {
-        drop: 0.185,
-        ahead: -0.03,
-        pelvis: 19.0,
-        thorax: 25.0,
+        drop: 0.06,
+        ahead: -0.02,
+        pelvis: 15.0,
+        thorax: 22.0,
         head: 9.0,
         shrug: 0.0,
         arms: [arm, arm],
@@ -137,8 +139,8 @@ fn absorbing() -> Still {
 fn squatting() -> Still {
     let [left, right] = Still::STANDING.steps;
     Still {
-        drop: 0.40,
-        ahead: -0.10,
+        drop: 0.29,
+        ahead: -0.09,
         pelvis: 38.0,
         thorax: 52.0,
         head: 20.0,
@@ -162,6 +164,66 @@ pub fn jump() -> Clip {
     once("jump", JUMP, |time| keys.at(time).figure())
 }
 
+/// One foot of a leap, on the left or right.
+const fn flying(z: f64, up: f64, pitch: f64, toes: f64) -> Step {
+    Step { x: 0.075, z, up, pitch, toes, out: 5.0 }
+}
+
+/// A leap's arms: one forward as the other goes back, −1..1 for the left.
+fn leaping_arms(left: f64) -> [Reach; 2] {
+    [left, -left].map(|forward| Reach {
+        flex: 8.0 + 46.0 * forward,
+        abduct: 24.0,
+        elbow: 72.0 + 10.0 * forward,
+        inward: 8.0,
+        curl: 0.5,
+    })
+}
+
+/// Off the right foot, left knee first, to land on the left and run on.
+#[must_use]
+pub fn leap() -> Clip {
+    let body = Still { ahead: 0.0, shrug: 2.0, ..Still::STANDING };
+    let off = Still {
+        drop: -0.015,
+        pelvis: 9.0,
+        thorax: 11.0,
+        head: 2.0,
+        steps: [flying(0.17, 0.24, -24.0, 5.0), flying(-0.28, 0.03, -52.0, 12.0)],
+        arms: leaping_arms(-0.8),
+        ..body
+    };
+    let rising = Still {
+        drop: -0.03,
+        pelvis: 9.0,
+        thorax: 12.0,
+        head: 0.0,
+        steps: [flying(0.30, 0.30, -12.0, 4.0), flying(-0.40, 0.20, -72.0, 4.0)],
+        arms: leaping_arms(-1.0),
+        ..body
+    };
+    let highest = Still {
+        drop: -0.005,
+        pelvis: 11.0,
+        thorax: 15.0,
+        head: 4.0,
+        steps: [flying(0.36, 0.22, 2.0, 6.0), flying(-0.36, 0.27, -74.0, 4.0)],
+        arms: leaping_arms(-0.7),
+        ..body
+    };
+    let reaching = Still {
+        drop: 0.03,
+        pelvis: 9.0,
+        thorax: 13.0,
+        head: 8.0,
+        steps: [flying(0.25, 0.02, 3.0, 6.0), flying(-0.24, 0.22, -60.0, 4.0)],
+        arms: leaping_arms(-0.15),
+        ..body
+    };
+    let keys = Keyed::new(&[(0.0, off), (0.18, rising), (0.42, highest), (LEAP, reaching)]);
+    once("leap", LEAP, |time| keys.at(time).figure())
+}
+
 /// In the air.
 #[must_use]
 pub fn fall() -> Clip {
@@ -179,7 +241,7 @@ pub fn land_light() -> Clip {
 /// Down from high.
 #[must_use]
 pub fn land_hard() -> Clip {
-    let held = Still { drop: 0.375, thorax: 49.0, ..squatting() };
+    let held = Still { drop: 0.31, thorax: 49.0, ..squatting() };
     let halfway = Still { steps: Still::STANDING.steps, ..absorbing() };
     let keys =
         Keyed::new(&[(0.0, touching()), (0.19, squatting()), (0.36, held), (0.72, halfway), (1.15, Still::STANDING)]);

@@ -1,0 +1,243 @@
+//! Leans the body into accelerations, turns and slopes, and lets it sink into landings.
+//!
+//! Reads `MotionState`, the locomotion's grade and the animated pose; turns pelvis and spine of the pose and sets the legs
+//! back onto their feet. Model space: metres, +Y up, the character faces -Z.
+
+use bevy::{math::ops, prelude::*};
+
+use super::feet::EXTENSION;
+use crate::{
+    anim::pose::Pose,
+    character::{
+        Character,
+        animator::CharacterPose,
+        bind::CharacterAssets,
+        legs::{LegJoints, place_leg, shift_joint},
+        locomotion::Locomotion,
+        motion::MotionState,
+    },
+    math::{
+        rotation::{direction_or, from_scaled_axis},
+        spring::{Spring, damp},
+    },
+    rig::{character::CharacterAsset, humanoid::HumanoidRole, tuning::balance::BalanceConfig},
+};
+
+/// Leg length in metres that the lengths of [`BalanceConfig`] are meant for.
+const TUNED_LEG: f32 = 0.875;
+/// Acceleration of a body that falls over, m/s².
+const GRAVITY: f32 = 9.81;
+/// Half-life in seconds in which leans fade where there is no ground to push against.
+const AIR_HALF_LIFE: f32 = 0.1;
+/// Leans below this, in radians, and dips, in metres, are none.
+const NOTHING: f32 = 1e-4;
+/// Seconds after a landing within which the root, eased between ticks, comes to rest on the ground.
+const LANDING: f32 = 0.07;
+/// Speed in m/s from which a slope is leaned against fully.
+const WALKS: f32 = 1.0;
+
+/// The spine, from below.
+const SPINE: [HumanoidRole; 3] = [HumanoidRole::Spine, HumanoidRole::Chest, HumanoidRole::UpperChest];
+
+/// A character's balance, carried from frame to frame.
+#[derive(Component, Clone, Debug, Default)]
+pub struct Balance {
+    /// The lean: what turns upright into it, as axis times radians, model space.
+    pub lean: Vec3,
+    /// How far a landing has sunk the pelvis, metres, downward negative.
+    pub dip: Spring<f32>,
+    /// Velocity over the ground as the body feels it, world; its velocity is the acceleration felt.
+    felt: Spring<Vec3>,
+    /// How firm the ground is to lean against, 0..1.
+    grip: f32,
+    /// Height and vertical speed of the root in the last frame.
+    root: Option<(f32, f32)>,
+    /// Seconds in which the root may still lose what is left of the speed of a landing, and that speed, m/s.
+    landing: (f32, f32),
+    airborne: bool,
+}
+
+impl Balance {
+    /// One frame: what the body feels. `root` is as it is shown, `grade` the rise over run of its way.
+    pub fn feel(&mut self, motion: &MotionState, root: &Transform, grade: f32, config: &BalanceConfig, dt: f32) {
+        let flat = motion.ground_velocity.with_y(0.0);
+        let grounded = motion.ground.is_some();
+        self.felt.step(flat, config.half_life, dt);
+        self.grip = damp(self.grip, if grounded { 1.0 } else { 0.0 }, AIR_HALF_LIFE, dt);
+        if grounded && self.airborne {
+            self.landing = (LANDING, motion.landing_speed.clamp(0.0, fastest_sink(config)));
+        }
+        self.airborne = !grounded;
+        self.dip.velocity -= self.lost_speed(root.translation.y, dt);
+        self.dip.step(0.0, config.landing_half_life, dt);
+        let into_model = root.rotation.inverse();
+        self.lean = wanted_lean(into_model * self.felt.velocity, into_model * flat, grade, config) * self.grip;
+    }
+
+    /// Downward speed that the root lost since the last frame on account of a landing, m/s: the body keeps it.
+    fn lost_speed(&mut self, height: f32, dt: f32) -> f32 {
+        if dt <= 0.0 {
+            return 0.0;
+        }
+        let speed = self.root.map_or(0.0, |(last, _)| (height - last) / dt);
+        let lost = self.root.map_or(0.0, |(_, last)| speed - last).clamp(0.0, self.landing.1);
+        self.root = Some((height, speed));
+        if self.landing.0 <= 0.0 {
+            return 0.0;
+        }
+        self.landing = (self.landing.0 - dt, self.landing.1 - lost);
+        lost
+    }
+}
+
+/// Speed in m/s with which a pelvis must begin to sink to come down to the config's depth.
+fn fastest_sink(config: &BalanceConfig) -> f32 {
+    // A critically damped spring of half-life h, hit at v, goes v · h / (2 ln 2 · e) deep.
+    config.landing_depth * core::f32::consts::E * 2.0 * core::f32::consts::LN_2 / config.landing_half_life.max(0.01)
+}
+
+/// The lean for an acceleration and a velocity over ground of this grade; model space, axis times radians.
+#[must_use]
+pub fn wanted_lean(acceleration: Vec3, velocity: Vec3, grade: f32, config: &BalanceConfig) -> Vec3 {
+    let way = direction_or(velocity, Vec3::ZERO);
+    let along = way * acceleration.dot(way);
+    let balancing = |acceleration: Vec3| {
+        let size = acceleration.length();
+        direction_or(acceleration, Vec3::ZERO) * ops::atan(size / GRAVITY)
+    };
+    let slope = ops::atan(grade) * if grade > 0.0 { config.uphill } else { config.downhill };
+    let slope = way * (slope * (velocity.length() / WALKS).min(1.0));
+    let toward = if way == Vec3::ZERO {
+        balancing(acceleration) * config.forward
+    } else {
+        balancing(along) * config.forward + balancing(acceleration - along) * config.side + slope
+    };
+    let ahead = -toward.z;
+    let ahead = soft_limit(ahead, if ahead > 0.0 { config.forward_limit } else { config.backward_limit });
+    let aside = soft_limit(toward.x, config.side_limit);
+    Vec3::Y.cross(Vec3::new(aside, 0.0, -ahead))
+}
+
+/// `value` with its size bent so that it never exceeds `most`.
+fn soft_limit(value: f32, most: f32) -> f32 {
+    if most <= 0.0 { 0.0 } else { most * ops::tanh(value / most) }
+}
+
+/// Leans and sinks the pose; the feet stay where they are.
+fn apply(balance: &Balance, pose: &mut Pose, asset: &CharacterAsset, config: &BalanceConfig) {
+    let dip = balance.dip.value * asset.leg_length / TUNED_LEG;
+    if balance.lean.length() < NOTHING && dip.abs() < NOTHING {
+        return;
+    }
+    let skeleton = &*asset.skeleton;
+    let feet = asset.legs.map(|leg| (pose.position(leg.foot), pose.rotation(leg.foot)));
+    let from_ankles = from_scaled_axis(balance.lean * config.from_ankles);
+    let hips = pose.position(asset.hips);
+    shift_joint(pose, skeleton, asset.hips, from_ankles * hips - hips + Vec3::Y * dip);
+    pose.rotate_model(skeleton, asset.hips, from_ankles);
+    let bones = || SPINE.iter().filter_map(|role| asset.humanoid.get(*role));
+    let bend = from_scaled_axis(balance.lean * ((1.0 - config.from_ankles) / bones().count().max(1) as f32));
+    // All bends are about one axis, so each may be made in the frame that its joint had.
+    bones().for_each(|joint| pose.rotate_model(skeleton, joint, bend));
+    pose.update_model_below(skeleton, asset.hips);
+    for (leg, (ankle, rotation)) in asset.legs.iter().zip(feet) {
+        let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
+        place_leg(pose, skeleton, joints, ankle, rotation, Vec3::NEG_Z, EXTENSION);
+    }
+}
+
+pub(super) fn keep_balance(
+    time: Res<Time>,
+    assets: CharacterAssets,
+    mut characters: Query<(&Character, &Transform, &MotionState, &Locomotion, &mut Balance, &mut CharacterPose)>,
+) {
+    let dt = time.delta_secs();
+    characters.par_iter_mut().for_each(|(character, root, motion, locomotion, mut balance, mut pose)| {
+        let Some(asset) = assets.get(character) else { return };
+        let config = &asset.file.balance;
+        balance.feel(motion, root, locomotion.grade(), config, dt);
+        if config.enabled {
+            apply(&balance, &mut pose.pose, asset, config);
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f32 = 1.0 / 60.0;
+
+    fn standing(velocity: Vec3) -> MotionState {
+        let ground =
+            crate::character::motion::Ground { entity: Entity::PLACEHOLDER, normal: Vec3::Y, velocity: Vec3::ZERO };
+        MotionState { ground_velocity: velocity, ground: Some(ground), ..default() }
+    }
+
+    fn feel(balance: &mut Balance, velocity: Vec3, seconds: f32) {
+        for _ in 0..(seconds * 60.0) as usize {
+            balance.feel(&standing(velocity), &Transform::IDENTITY, 0.0, &BalanceConfig::default(), DT);
+        }
+    }
+
+    /// Where the top of a body with this lean goes, model space.
+    fn top(lean: Vec3) -> Vec3 {
+        from_scaled_axis(lean) * Vec3::Y
+    }
+
+    #[test]
+    fn it_leans_forward_into_a_start_and_back_into_a_stop() {
+        let mut balance = Balance::default();
+        feel(&mut balance, Vec3::ZERO, 1.0);
+        feel(&mut balance, Vec3::NEG_Z * 3.5, 0.15);
+        assert!(top(balance.lean).z < -0.05, "top at {} while starting", top(balance.lean));
+        feel(&mut balance, Vec3::NEG_Z * 3.5, 3.0);
+        assert!(balance.lean.length() < 1e-3, "leans by {} at an even pace", balance.lean.length());
+        feel(&mut balance, Vec3::ZERO, 0.15);
+        assert!(top(balance.lean).z > 0.03, "top at {} while stopping", top(balance.lean));
+    }
+
+    #[test]
+    fn it_leans_into_a_turn_and_never_beyond_its_limits() {
+        let config = BalanceConfig::default();
+        let ahead = Vec3::NEG_Z * 3.5;
+        let left = wanted_lean(Vec3::NEG_X * 5.0, ahead, 0.0, &config);
+        assert!(top(left).x < -0.1, "top at {} in a turn to the left", top(left));
+        for acceleration in [Vec3::X * 1e6, Vec3::Z * 1e6, Vec3::NEG_Z * 1e6] {
+            let lean = wanted_lean(acceleration, ahead, 0.0, &config).length();
+            let most = config.side_limit.max(config.forward_limit);
+            assert!(lean <= most + 1e-4, "{acceleration} leans by {}°", lean.to_degrees());
+        }
+    }
+
+    #[test]
+    fn it_leans_toward_the_slope_on_the_way_up_and_away_on_the_way_down() {
+        let config = BalanceConfig::default();
+        let up = wanted_lean(Vec3::ZERO, Vec3::NEG_Z, 0.36, &config);
+        let down = wanted_lean(Vec3::ZERO, Vec3::NEG_Z, -0.36, &config);
+        assert!((3.0..9.0).contains(&up.length().to_degrees()) && top(up).z < 0.0, "{up} up 20°");
+        assert!((2.0..6.0).contains(&down.length().to_degrees()) && top(down).z > 0.0, "{down} down 20°");
+        assert_eq!(wanted_lean(Vec3::ZERO, Vec3::ZERO, 0.36, &config), Vec3::ZERO, "who stands stands upright");
+    }
+
+    #[test]
+    fn a_landing_sinks_no_deeper_than_it_may() {
+        for (speed, least) in [(2.0, 0.05), (5.0, 0.15), (50.0, 0.19)] {
+            let config = BalanceConfig::default();
+            let mut balance = Balance::default();
+            let air = MotionState::default();
+            for frame in [3.0, 2.0, 1.0] {
+                let root = Transform::from_xyz(0.0, frame * speed * DT, 0.0);
+                balance.feel(&air, &root, 0.0, &config, DT);
+            }
+            let landed = MotionState { landing_speed: speed, ..standing(Vec3::ZERO) };
+            let mut deepest = 0.0f32;
+            for _ in 0..120 {
+                balance.feel(&landed, &Transform::IDENTITY, 0.0, &config, DT);
+                deepest = deepest.min(balance.dip.value);
+            }
+            assert!(-deepest >= least && -deepest <= config.landing_depth + 1e-3, "{speed} m/s sink {deepest} m");
+            assert!(balance.dip.value.abs() < 0.01, "{} m are left after two seconds", balance.dip.value);
+        }
+    }
+}
