@@ -118,7 +118,7 @@ fn look(
         };
         look.gaze.step(goal, config.half_life, dt);
         let gaze = Quat::from_rotation_y(look.gaze.value.x) * Quat::from_rotation_x(look.gaze.value.y);
-        let lean = if asset.file.balance.enabled { balance.lean } else { Vec3::ZERO };
+        let lean = if asset.file.balance.enabled { balance.whole() } else { Vec3::ZERO };
         let turn = to_scaled_axis(gaze) - lean * config.level;
         if turn.length() > NOTHING {
             apply(turn, &mut pose.pose, asset, config);

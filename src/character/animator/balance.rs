@@ -42,8 +42,10 @@ const SPINE: [HumanoidRole; 3] = [HumanoidRole::Spine, HumanoidRole::Chest, Huma
 /// A character's balance, carried from frame to frame.
 #[derive(Component, Clone, Debug, Default)]
 pub struct Balance {
-    /// The lean: what turns upright into it, as axis times radians, model space.
+    /// The lean into accelerations, from the ankles up: what turns upright into it, as axis times radians, model space.
     pub lean: Vec3,
+    /// The lean of the trunk to the slope, likewise.
+    pub stoop: Vec3,
     /// How far a landing has sunk the pelvis, metres, downward negative.
     pub dip: Spring<f32>,
     /// Velocity over the ground as the body feels it, world; its velocity is the acceleration felt.
@@ -71,7 +73,14 @@ impl Balance {
         self.dip.velocity -= self.lost_speed(root.translation.y, dt);
         self.dip.step(0.0, config.landing_half_life, dt);
         let into_model = root.rotation.inverse();
-        self.lean = wanted_lean(into_model * self.felt.velocity, into_model * flat, grade, config) * self.grip;
+        self.lean = wanted_lean(into_model * self.felt.velocity, into_model * flat, config) * self.grip;
+        self.stoop = wanted_stoop(into_model * flat, grade, config) * self.grip;
+    }
+
+    /// The lean of the chest against the clip's: axis times radians, model space.
+    #[must_use]
+    pub fn whole(&self) -> Vec3 {
+        self.lean + self.stoop
     }
 
     /// Downward speed that the root lost since the last frame on account of a landing, m/s: the body keeps it.
@@ -96,22 +105,30 @@ fn fastest_sink(config: &BalanceConfig) -> f32 {
     config.landing_depth * core::f32::consts::E * 2.0 * core::f32::consts::LN_2 / config.landing_half_life.max(0.01)
 }
 
-/// The lean for an acceleration and a velocity over ground of this grade; model space, axis times radians.
+/// The lean for an acceleration at a velocity; model space, axis times radians.
 #[must_use]
-pub fn wanted_lean(acceleration: Vec3, velocity: Vec3, grade: f32, config: &BalanceConfig) -> Vec3 {
+pub fn wanted_lean(acceleration: Vec3, velocity: Vec3, config: &BalanceConfig) -> Vec3 {
     let way = direction_or(velocity, Vec3::ZERO);
     let along = way * acceleration.dot(way);
     let balancing = |acceleration: Vec3| {
         let size = acceleration.length();
         direction_or(acceleration, Vec3::ZERO) * ops::atan(size / GRAVITY)
     };
-    let slope = ops::atan(grade) * if grade > 0.0 { config.uphill } else { config.downhill };
-    let slope = way * (slope * (velocity.length() / WALKS).min(1.0));
-    let toward = if way == Vec3::ZERO {
-        balancing(acceleration) * config.forward
-    } else {
-        balancing(along) * config.forward + balancing(acceleration - along) * config.side + slope
-    };
+    let across = acceleration - along;
+    let side = if way == Vec3::ZERO { config.forward } else { config.side };
+    limited(balancing(along) * config.forward + balancing(across) * side, config)
+}
+
+/// The lean of the trunk for a velocity over ground of this grade; model space, axis times radians.
+#[must_use]
+pub fn wanted_stoop(velocity: Vec3, grade: f32, config: &BalanceConfig) -> Vec3 {
+    let share = if grade > 0.0 { config.uphill } else { config.downhill };
+    let toward = direction_or(velocity, Vec3::ZERO) * (ops::atan(grade) * share);
+    limited(toward * (velocity.length() / WALKS).min(1.0), config)
+}
+
+/// The lean toward a horizontal direction by its length in radians, within limits.
+fn limited(toward: Vec3, config: &BalanceConfig) -> Vec3 {
     let ahead = -toward.z;
     let ahead = soft_limit(ahead, if ahead > 0.0 { config.forward_limit } else { config.backward_limit });
     let aside = soft_limit(toward.x, config.side_limit);
@@ -126,7 +143,7 @@ fn soft_limit(value: f32, most: f32) -> f32 {
 /// Leans and sinks the pose; the feet stay where they are.
 fn apply(balance: &Balance, pose: &mut Pose, asset: &CharacterAsset, config: &BalanceConfig) {
     let dip = balance.dip.value * asset.leg_length / TUNED_LEG;
-    if balance.lean.length() < NOTHING && dip.abs() < NOTHING {
+    if balance.lean.length() < NOTHING && balance.stoop.length() < NOTHING && dip.abs() < NOTHING {
         return;
     }
     let skeleton = &*asset.skeleton;
@@ -136,7 +153,8 @@ fn apply(balance: &Balance, pose: &mut Pose, asset: &CharacterAsset, config: &Ba
     shift_joint(pose, skeleton, asset.hips, from_ankles * hips - hips + Vec3::Y * dip);
     pose.rotate_model(skeleton, asset.hips, from_ankles);
     let bones = || SPINE.iter().filter_map(|role| asset.humanoid.get(*role));
-    let bend = from_scaled_axis(balance.lean * ((1.0 - config.from_ankles) / bones().count().max(1) as f32));
+    let spine = balance.lean * (1.0 - config.from_ankles) + balance.stoop;
+    let bend = from_scaled_axis(spine / bones().count().max(1) as f32);
     // All bends are about one axis, so each may be made in the frame that its joint had.
     bones().for_each(|joint| pose.rotate_model(skeleton, joint, bend));
     pose.update_model_below(skeleton, asset.hips);
@@ -201,10 +219,10 @@ mod tests {
     fn it_leans_into_a_turn_and_never_beyond_its_limits() {
         let config = BalanceConfig::default();
         let ahead = Vec3::NEG_Z * 3.5;
-        let left = wanted_lean(Vec3::NEG_X * 5.0, ahead, 0.0, &config);
+        let left = wanted_lean(Vec3::NEG_X * 5.0, ahead, &config);
         assert!(top(left).x < -0.1, "top at {} in a turn to the left", top(left));
         for acceleration in [Vec3::X * 1e6, Vec3::Z * 1e6, Vec3::NEG_Z * 1e6] {
-            let lean = wanted_lean(acceleration, ahead, 0.0, &config).length();
+            let lean = wanted_lean(acceleration, ahead, &config).length();
             let most = config.side_limit.max(config.forward_limit);
             assert!(lean <= most + 1e-4, "{acceleration} leans by {}°", lean.to_degrees());
         }
@@ -213,11 +231,11 @@ mod tests {
     #[test]
     fn it_leans_toward_the_slope_on_the_way_up_and_away_on_the_way_down() {
         let config = BalanceConfig::default();
-        let up = wanted_lean(Vec3::ZERO, Vec3::NEG_Z, 0.36, &config);
-        let down = wanted_lean(Vec3::ZERO, Vec3::NEG_Z, -0.36, &config);
+        let up = wanted_stoop(Vec3::NEG_Z, 0.36, &config);
+        let down = wanted_stoop(Vec3::NEG_Z, -0.36, &config);
         assert!((3.0..9.0).contains(&up.length().to_degrees()) && top(up).z < 0.0, "{up} up 20°");
         assert!((2.0..6.0).contains(&down.length().to_degrees()) && top(down).z > 0.0, "{down} down 20°");
-        assert_eq!(wanted_lean(Vec3::ZERO, Vec3::ZERO, 0.36, &config), Vec3::ZERO, "who stands stands upright");
+        assert_eq!(wanted_stoop(Vec3::ZERO, 0.36, &config), Vec3::ZERO, "who stands stands upright");
     }
 
     #[test]

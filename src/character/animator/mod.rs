@@ -7,7 +7,7 @@ mod feet;
 
 use bevy::prelude::*;
 
-pub use balance::{Balance, wanted_lean};
+pub use balance::{Balance, wanted_lean, wanted_stoop};
 
 use super::{Character, bind::CharacterAssets, locomotion::Locomotion, schedule::PoseSystems};
 use feet::BlendedFeet;

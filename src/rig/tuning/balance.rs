@@ -30,11 +30,12 @@ pub struct BalanceConfig {
     /// Most that it leans to a side, degrees in RON. Default 15°.
     #[serde(with = "super::degrees")]
     pub side_limit: f32,
-    /// Lean toward the slope per degree of the way up, degrees. Default 0.45.
+    /// Lean of the trunk toward the slope per degree of the way up, degrees. Default 0.45.
     pub uphill: f32,
-    /// Lean away from the slope per degree of the way down, degrees. Default 0.22.
+    /// Lean of the trunk away from the slope per degree of the way down, degrees. Default 0.22.
     pub downhill: f32,
-    /// Share of the lean that the whole body takes from the ankles up; the spine takes the rest. Default 0.5.
+    /// Share of the lean into accelerations that the whole body takes from the ankles up; the spine takes the rest.
+    /// Default 0.5.
     pub from_ankles: f32,
     /// Deepest that a landing sinks the pelvis on top of what the clip does, metres. Default 0.24.
     ///
