@@ -12,11 +12,13 @@ use super::{
     flight::{Flight, ease},
     ground::{Plane, Probe},
     landing::Landing,
-    legs::heel_turn,
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
     turns::{flattening, limited_align},
 };
-use crate::math::{rotation::from_scaled_axis, spring::Spring};
+use crate::{
+    character::legs::heel_turn,
+    math::{rotation::from_scaled_axis, spring::Spring},
+};
 
 /// Which point of the sole a planted foot turns about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
