@@ -5,7 +5,7 @@ use bevy::{app::PluginGroupBuilder, prelude::*};
 use crate::{
     character::{
         animator::AnimatorPlugin, bind::BindPlugin, foot_ik::FootIkPlugin, locomotion::LocomotionPlugin,
-        motion::MotionPlugin, schedule::SchedulePlugin,
+        look::LookPlugin, motion::MotionPlugin, schedule::SchedulePlugin,
     },
     rig::loader::RigPlugin,
 };
@@ -25,7 +25,8 @@ impl PluginGroup for SurefootPlugins {
             .add(MotionPlugin)
             .add(LocomotionPlugin)
             .add(AnimatorPlugin)
-            .add(FootIkPlugin);
+            .add(FootIkPlugin)
+            .add(LookPlugin);
         #[cfg(feature = "render")]
         let group = group.add(crate::skinning::SkinningPlugin::default());
         group

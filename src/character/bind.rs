@@ -5,9 +5,10 @@ use bevy::{ecs::system::SystemParam, prelude::*};
 
 use super::{
     Character,
-    animator::CharacterPose,
+    animator::{Balance, CharacterPose},
     foot_ik::{FootIk, GroundFilter},
     locomotion::Locomotion,
+    look::Look,
 };
 use crate::rig::character::CharacterAsset;
 
@@ -51,7 +52,7 @@ fn bind(
         commands
             .entity(entity)
             .insert((pose, locomotion, FootIk::new(asset), asset.file.motion.clone()))
-            .insert_if_new(ground);
+            .insert_if_new((ground, Balance::default(), Look::default()));
     };
     for event in events.read() {
         let &AssetEvent::Modified { id } = event else { continue };

@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// The line of controls.
-const CONTROLS: &str = "WASD walk   Shift run   Space jump   C crouch   mouse look   wheel zoom   right button aim   \
+const CONTROLS: &str = "WASD walk   Shift run   Ctrl sprint   Space jump   C crouch   mouse look   wheel zoom   right button aim   \
     Esc free the mouse   F1 hide this   F3 feet";
 /// Text size in pixels.
 const TEXT_SIZE: f32 = 13.0;

@@ -27,6 +27,16 @@ struct Steer;
 #[action_output(f32)]
 struct Run;
 
+/// Held to sprint.
+#[derive(InputAction)]
+#[action_output(bool)]
+struct Sprint;
+
+/// Pressed once to sprint until the stick rests, since nobody steers well with a stick held down.
+#[derive(InputAction)]
+#[action_output(bool)]
+struct Dash;
+
 #[derive(InputAction)]
 #[action_output(bool)]
 struct Jump;
@@ -44,6 +54,7 @@ pub(super) struct Aim;
 #[derive(Component, Clone, Copy, Debug, Default)]
 struct Presses {
     jump: bool,
+    dash: bool,
 }
 
 pub(super) fn plugin(app: &mut App) {
@@ -52,6 +63,7 @@ pub(super) fn plugin(app: &mut App) {
         .add_observer(take_hero)
         .add_observer(bind)
         .add_observer(remember_jump)
+        .add_observer(remember_dash)
         .add_systems(FixedUpdate, decide.in_set(MotionSystems::Decide));
 }
 
@@ -65,6 +77,8 @@ fn bind(added: On<Add, Player>, mut commands: Commands) {
     commands.entity(added.entity).insert(actions!(Player[
         (Action::<Steer>::new(), rest, Bindings::spawn((Cardinal::wasd_keys(), Cardinal::arrows(), Axial::left_stick()))),
         (Action::<Run>::new(), bindings![KeyCode::ShiftLeft, KeyCode::ShiftRight, GamepadButton::RightTrigger2]),
+        (Action::<Sprint>::new(), bindings![KeyCode::ControlLeft, KeyCode::ControlRight]),
+        (Action::<Dash>::new(), bindings![GamepadButton::LeftThumb]),
         (Action::<Jump>::new(), bindings![KeyCode::Space, GamepadButton::South]),
         (Action::<Crouch>::new(), bindings![KeyCode::KeyC, GamepadButton::East]),
         (Action::<Aim>::new(), bindings![MouseButton::Right, GamepadButton::LeftTrigger2]),
@@ -77,10 +91,17 @@ fn remember_jump(jump: On<Start<Jump>>, mut players: Query<&mut Presses>) {
     }
 }
 
+fn remember_dash(dash: On<Start<Dash>>, mut players: Query<&mut Presses>) {
+    if let Ok(mut presses) = players.get_mut(dash.context) {
+        presses.dash = true;
+    }
+}
+
 fn decide(
     mut players: Query<(&Actions<Player>, &MotionConfig, &mut Presses, &mut MoveIntent), With<Player>>,
     steers: Query<&Action<Steer>>,
     runs: Query<&Action<Run>>,
+    sprints: Query<&Action<Sprint>>,
     jumps: Query<&Action<Jump>>,
     crouches: Query<&Action<Crouch>>,
     aims: Query<&Action<Aim>>,
@@ -92,7 +113,11 @@ fn decide(
         let run = runs.iter_many(actions).next().map_or(0.0, |action| **action).clamp(0.0, 1.0);
         let held_jump = jumps.iter_many(actions).next().is_some_and(|action| **action);
         let aim = aims.iter_many(actions).next().is_some_and(|action| **action);
-        intent.velocity = wanted_velocity(steer, view, config.walk_speed.lerp(config.run_speed, run));
+        presses.dash &= steer != Vec2::ZERO;
+        // Nobody aims at a sprint.
+        let sprint = !aim && (presses.dash || sprints.iter_many(actions).next().is_some_and(|action| **action));
+        let speed = if sprint { config.sprint_speed } else { config.walk_speed.lerp(config.run_speed, run) };
+        intent.velocity = wanted_velocity(steer, view, speed);
         intent.facing = aim.then(|| level_forward(view));
         intent.jump = held_jump || presses.jump;
         intent.crouch = crouches.iter_many(actions).next().is_some_and(|action| **action);
@@ -160,6 +185,36 @@ mod tests {
         let velocity = intent_with(&[KeyCode::KeyW, KeyCode::KeyD, KeyCode::ShiftLeft]).velocity;
         assert!((velocity.length() - config.run_speed).abs() < 1e-3, "ran at {} m/s", velocity.length());
         assert!(velocity.x > 1.0 && velocity.z > 1.0, "ahead and right of +X is +X+Z, wanted {velocity}");
+    }
+
+    #[test]
+    fn control_sprints_and_shift_beside_it_changes_nothing() {
+        let config = MotionConfig::default();
+        for keys in
+            [&[KeyCode::KeyW, KeyCode::ControlLeft][..], &[KeyCode::KeyW, KeyCode::ControlLeft, KeyCode::ShiftLeft]]
+        {
+            let speed = intent_with(keys).velocity.length();
+            assert!((speed - config.sprint_speed).abs() < 1e-3, "sprints at {speed} m/s with {keys:?}");
+        }
+    }
+
+    #[test]
+    fn a_dash_lasts_until_the_stick_rests() {
+        let (mut app, player) = app();
+        let speed = |app: &mut App| {
+            app.update();
+            app.update();
+            app.world().get::<MoveIntent>(player).unwrap().velocity.length()
+        };
+        let config = MotionConfig::default();
+        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::KeyW);
+        app.update();
+        app.world_mut().get_mut::<Presses>(player).unwrap().dash = true;
+        assert!((speed(&mut app) - config.sprint_speed).abs() < 1e-3, "the dash does not sprint");
+        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().release(KeyCode::KeyW);
+        assert!(speed(&mut app) < 1e-6, "it goes on without a way");
+        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::KeyW);
+        assert!((speed(&mut app) - config.walk_speed).abs() < 1e-3, "the dash outlives its stop");
     }
 
     #[test]

@@ -10,8 +10,10 @@ use super::{
     humanoid::HumanoidRole,
     names::suggestion,
     tuning::{
+        balance::BalanceConfig,
         foot_ik::FootIkConfig,
         locomotion::LocomotionConfig,
+        look::LookConfig,
         motion::MotionConfig,
         ranges::{RangeError, Ranges},
     },
@@ -37,8 +39,12 @@ pub struct CharacterFile {
     pub motion: MotionConfig,
     /// Which clips play when.
     pub locomotion: LocomotionConfig,
+    /// How the body leans into what it does.
+    pub balance: BalanceConfig,
     /// How feet find the ground.
     pub foot_ik: FootIkConfig,
+    /// Where the head turns to.
+    pub look: LookConfig,
 }
 
 impl Default for CharacterFile {
@@ -51,7 +57,9 @@ impl Default for CharacterFile {
             clips: BTreeMap::new(),
             motion: MotionConfig::default(),
             locomotion: LocomotionConfig::default(),
+            balance: BalanceConfig::default(),
             foot_ik: FootIkConfig::default(),
+            look: LookConfig::default(),
         }
     }
 }
@@ -169,7 +177,9 @@ impl CharacterFile {
         }
         self.motion.check(&Ranges::new("motion."))?;
         self.locomotion.check(&Ranges::new("locomotion."))?;
-        self.foot_ik.check(&Ranges::new("foot_ik."))
+        self.balance.check(&Ranges::new("balance."))?;
+        self.foot_ik.check(&Ranges::new("foot_ik."))?;
+        self.look.check(&Ranges::new("look."))
     }
 }
 

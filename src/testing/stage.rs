@@ -19,7 +19,7 @@ use crate::{
         record::{MeasurePlugin, Recorder},
         summary::{Measures, summarize},
     },
-    rig::character::CharacterAsset,
+    rig::{character::CharacterAsset, character_file::CharacterFile},
 };
 
 /// Why a stage could not be set.
@@ -219,10 +219,15 @@ impl Stage {
 
     /// Turns foot IK of this character's file on or off.
     pub fn set_foot_ik(&mut self, character: Entity, enabled: bool) {
+        self.tune(character, |file| file.foot_ik.enabled = enabled);
+    }
+
+    /// Changes what the stages read from this character's file every frame: everything but motion and locomotion.
+    pub fn tune(&mut self, character: Entity, change: impl FnOnce(&mut CharacterFile)) {
         let world = self.app.world_mut();
         let Some(handle) = world.get::<Character>(character).map(|character| character.0.clone()) else { return };
         if let Some(asset) = world.resource_mut::<Assets<CharacterAsset>>().get_mut_untracked(&handle) {
-            asset.file.foot_ik.enabled = enabled;
+            change(&mut asset.file);
         }
     }
 

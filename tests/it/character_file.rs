@@ -320,7 +320,8 @@ fn the_shipped_character_loads_with_every_field_at_its_default() {
     let mut defaults = CharacterFile::default();
     defaults.locomotion = defaults.locomotion.completed(|_| true);
     assert_eq!(written(&file), written(&defaults), "the file spells out the defaults");
-    let parts: [&dyn PartialReflect; 4] = [&file, &file.motion, &file.locomotion, &file.foot_ik];
+    let parts: [&dyn PartialReflect; 6] =
+        [&file, &file.motion, &file.locomotion, &file.balance, &file.foot_ik, &file.look];
     for part in parts {
         let fields = part.reflect_ref().as_struct().expect("tuning is made of structs");
         for name in (0..fields.field_len()).filter_map(|index| fields.name_at(index)) {

@@ -2,9 +2,16 @@
 //!
 //! Reads [`Locomotion`] and the character's clips; writes [`CharacterPose`].
 
+mod balance;
+mod feet;
+
 use bevy::prelude::*;
 
+pub use balance::{Balance, wanted_lean, wanted_stoop};
+
 use super::{Character, bind::CharacterAssets, locomotion::Locomotion, schedule::PoseSystems};
+use feet::BlendedFeet;
+
 use crate::{
     anim::{
         blend::Accumulator,
@@ -25,6 +32,7 @@ pub struct CharacterPose {
     pub pose: Pose,
     scratch: Vec<JointTransform>,
     inertializer: Inertializer,
+    feet: BlendedFeet,
 }
 
 impl CharacterPose {
@@ -35,33 +43,44 @@ impl CharacterPose {
             pose: Pose::rest(skeleton),
             scratch: skeleton.rest().to_vec(),
             inertializer: Inertializer::new(skeleton.len()),
+            feet: BlendedFeet::default(),
         }
     }
 
     fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, dt: f32) {
+        let blends = locomotion.playing(asset).nth(1).is_some();
         let mut blend = Accumulator::new(self.pose.locals_mut());
+        let mut feet = self.feet.start();
         for playing in locomotion.playing(asset) {
             playing.clip.clip.sample(&asset.skeleton, playing.time, &mut self.scratch);
             blend.add(&self.scratch, playing.weight);
+            if blends {
+                feet.add(&feet::ankles(&self.scratch, &asset.skeleton, &asset.legs), playing.weight);
+            }
         }
+        let corrects = blends && feet.finish();
         if !blend.finish() {
             return;
         }
+        let blended = corrects.then(|| feet::ankles(self.pose.locals(), &asset.skeleton, &asset.legs));
         if let Some(taken) = locomotion.taken.filter(|taken| taken.blend == TransitionBlend::Inertialize) {
             self.inertializer.begin(self.pose.locals(), taken.fade * HALF_LIFE_OF_FADE);
         }
         self.inertializer.apply(self.pose.locals_mut(), dt);
-        self.inertializer.record(self.pose.locals(), dt);
         self.pose.update_model(&asset.skeleton);
+        if let Some(blended) = blended {
+            self.feet.correct(&mut self.pose, &asset.skeleton, &asset.legs, &blended);
+        }
+        self.inertializer.record(self.pose.locals(), dt);
     }
 }
 
-/// Samples and blends clips.
+/// Samples and blends clips, and leans the body.
 pub struct AnimatorPlugin;
 
 impl Plugin for AnimatorPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PostUpdate, animate.in_set(PoseSystems::Sample));
+        app.add_systems(PostUpdate, (animate, balance::keep_balance).chain().in_set(PoseSystems::Sample));
     }
 }
 

@@ -12,14 +12,17 @@ use super::{
     flight::{Flight, ease},
     ground::{Plane, Probe},
     landing::Landing,
-    legs::heel_turn,
     pace::Pace,
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
     turns::{flattening, limited_align},
 };
-use crate::math::{
-    rotation::{from_scaled_axis, heading, twist_angle, wrap_angle},
-    spring::Spring,
+use crate::{
+    anim::{leg::Leg, pose::Pose},
+    character::{legs::heel_turn, sole::sole_model},
+    math::{
+        rotation::{from_scaled_axis, heading, twist_angle, wrap_angle},
+        spring::Spring,
+    },
 };
 
 /// Which point of the sole a planted foot turns about.
@@ -194,6 +197,14 @@ impl FootState {
     /// Whether it was in the air without ground in the last frame.
     pub(super) fn flies_free(&self) -> bool {
         self.free
+    }
+
+    /// Notes by how much the sole of a leg that is late hangs lower than asked.
+    pub(super) fn note_droop(&mut self, pose: &Pose, leg: &Leg, placed: &PlacedFoot) {
+        let lowest = |points: [Vec3; 3]| points[0].y.min(points[1].y).min(points[2].y);
+        let asked = lowest(placed.sole) - placed.ankle.y;
+        let made = lowest(sole_model(pose, leg)) - pose.position(leg.foot).y;
+        self.droops = if self.pace.is_late() { (asked - made).max(0.0) } else { 0.0 };
     }
 
     /// In the air it goes another way from here.

@@ -9,7 +9,6 @@ mod flight;
 mod foot;
 mod ground;
 mod landing;
-mod legs;
 mod near;
 mod pace;
 mod pelvis;
@@ -25,7 +24,6 @@ use bevy::prelude::*;
 use flight::ease;
 pub use foot::{FootState, Mode, Pivot, Plant, Release};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
-pub use legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg, shift_joint};
 pub use near::{Grounds, NearProbe};
 pub use pelvis::{LegReach, PelvisFrame, PelvisState, drop_for};
 pub use probe::{Frames, GroundFilter, NoGround, PhysicsProbe};
@@ -33,8 +31,14 @@ pub use ride::{Ride, ride};
 pub use surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings};
 
 use super::{
-    Character, animator::CharacterPose, bind::CharacterAssets, locomotion::Locomotion, motion::MotionState,
-    schedule::PoseSystems, sole::sole_model,
+    Character,
+    animator::CharacterPose,
+    bind::CharacterAssets,
+    legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg, shift_joint},
+    locomotion::Locomotion,
+    motion::MotionState,
+    schedule::PoseSystems,
+    sole::sole_model,
 };
 use crate::{
     anim::{ik::two_bone::Extension, leg::Leg, pose::Pose},
@@ -42,8 +46,10 @@ use crate::{
     rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
 };
 
-/// Seconds for which who has left the ground still counts as on it: feet push off.
+/// Seconds for which who has left the ground still counts as on it.
 const STILL_GROUNDED: f32 = 0.1;
+/// Upward speed in m/s from which a body in the air has jumped.
+const RISING: f32 = 0.5;
 /// Reach that the pelvis leaves to a lifted heel, as a fraction of the leg.
 const HEEL_SLACK: f32 = 0.02;
 /// Half-life in seconds in which a heel that needn't be lifted any more comes down.
@@ -147,7 +153,9 @@ impl FootIk {
             return;
         }
         let config = &body.asset.file.foot_ik;
-        let grounded = body.motion.ground.is_some() || body.motion.air_time < STILL_GROUNDED;
+        // A step down a ledge is no flight yet, a jump is.
+        let rises = body.motion.velocity.y > RISING;
+        let grounded = body.motion.ground.is_some() || (body.motion.air_time < STILL_GROUNDED && !rises);
         let goal = if config.enabled && grounded { 1.0 } else { 0.0 };
         self.weight = damp(self.weight, goal, config.air_half_life, body.dt);
         let animated = [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side]));
@@ -384,10 +392,7 @@ impl Body<'_> {
         }
         let fastest = self.locomotion.leg_speed(self.asset);
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
-        let lowest = sole_model(&pose.pose, leg).into_iter().map(|point| point.y).fold(f32::MAX, f32::min);
-        let asked = placed.sole.into_iter().map(|point| point.y).fold(f32::MAX, f32::min) - ankle_world.y;
-        let below = asked - (lowest - pose.pose.position(leg.foot).y);
-        foot.droops = if foot.pace.is_late() { below.max(0.0) } else { 0.0 };
+        foot.note_droop(&pose.pose, leg, placed);
         result
     }
 }

@@ -134,7 +134,7 @@ impl PelvisState {
         let wanted = drop_for(&raised, config) * weight;
         let half_life = if wanted < self.drop.value { 1.0 } else { RISE_SLOWER } * config.pelvis_half_life;
         self.drop.step(wanted, half_life, dt);
-        let placed = carried + self.drop.value;
+        let placed = carried + self.drop.value * weight;
         self.offset = placed + self.stop_fall(hips + placed, most, dt);
         self.note(hips + self.offset, dt);
         self.offset

@@ -146,6 +146,12 @@ impl Locomotion {
         self.playing(asset).filter(|playing| playing.clip.name == name).map(|playing| playing.weight).sum()
     }
 
+    /// Rise over run of the way it goes, smoothed.
+    #[must_use]
+    pub fn grade(&self) -> f32 {
+        self.grade
+    }
+
     /// Goes on where `other` is, as far as it has the same states: for a character whose file has changed.
     pub fn take_over(&mut self, other: &Self) {
         self.machine.take_over(&other.machine);

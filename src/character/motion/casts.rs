@@ -174,10 +174,12 @@ impl View<'_> {
         let at = from + direction * hit.distance;
         let contacts = self.contacts(shape, at, hit.collider, CAST_ERROR);
         let alike = |contact: &&Contact| contact.normal.dot(hit.normal) > 0.8;
-        let mut near = contacts.iter().filter(alike).peekable();
-        if near.peek().is_none() {
+        if contacts.is_empty() {
             return Some(hit);
         }
+        // A cast that starts at what it meets may make up a normal; what contacts there are know better.
+        let any_alike = contacts.iter().any(|contact| alike(&contact));
+        let near = contacts.iter().filter(|contact| !any_alike || alike(contact));
         near.filter(|contact| contact.normal.dot(*direction) < -GRAZING)
             .map(|contact| {
                 let further = contact.gap / -contact.normal.dot(*direction);

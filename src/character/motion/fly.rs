@@ -12,7 +12,7 @@ use super::{
     space::SKIN,
     speed::{SpeedRates, approach_velocity},
 };
-use crate::{character::intent::MoveIntent, rig::tuning::motion::MotionConfig};
+use crate::{character::intent::MoveIntent, math::rotation::direction_or, rig::tuning::motion::MotionConfig};
 
 /// Seconds without a way down after which a body counts as standing.
 const WEDGED: f32 = 0.1;
@@ -71,9 +71,23 @@ pub(super) fn fly(
         }
     }
     if !slider.planes.is_empty() {
-        velocity = slider.planes.slide(velocity + body.frame_velocity) - body.frame_velocity;
+        let slid = slider.planes.slide(velocity + body.frame_velocity) - body.frame_velocity;
+        // What a corner turns aside still rises as it did.
+        let kept = if passes_corner(slider, posture, from, velocity, slid) { velocity.y } else { slid.y };
+        velocity = slid.with_y(kept);
     }
     Flown { position: to, velocity, support: None }
+}
+
+/// Whether what changes a rising body's velocity to `slid` is but the edge of a ceiling: a little aside the way up is free.
+fn passes_corner(slider: &Slider, posture: &Posture, from: Vec3, velocity: Vec3, slid: Vec3) -> bool {
+    let corner = slider.config.jump_corner;
+    let aside = direction_or((slid - velocity).with_y(0.0), Vec3::ZERO) * corner;
+    let slowed = velocity.y > 0.0 && slid.y < velocity.y;
+    // Far enough up that the round of the head is past the edge.
+    let up = Vec3::Y * (2.0 * slider.config.radius);
+    let free = |from: Vec3, way: Vec3| slider.view.sweep(&posture.flying, from, way).is_none();
+    slowed && aside != Vec3::ZERO && free(from, aside) && free(from + aside, up)
 }
 
 #[cfg(test)]

@@ -85,6 +85,8 @@ pub fn all() -> Vec<Scene> {
         Scene::gait("strafe_right", 0.6, aim(Vec3::X * 1.2)),
         Scene::gait("strafe_ahead_left", 0.8, aim(Vec3::new(-1.0, 0.0, -1.0))),
         Scene::gait("walk_back", 1.067, aim(Vec3::Z * 1.1)),
+        Scene::gait("crouch_strafe", 0.6, MoveIntent { crouch: true, ..aim(Vec3::NEG_X * 1.2) }),
+        Scene::gait("crouch_back", 1.067, MoveIntent { crouch: true, ..aim(Vec3::Z * 1.1) }),
         from_rest("jump", 0.5, 1.5, jump(0.0)),
         Scene::new("running_jump", 1.9, 1.2, &[(0.0, go(3.5)), (2.0, jump(3.5))]),
         Scene { height: 12.0, ..Scene::new("fall", 0.1, 1.2, &[]) },

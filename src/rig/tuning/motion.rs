@@ -55,7 +55,7 @@ pub struct MotionConfig {
     pub radius: f32,
     /// Height of the capsule from the ground to its top, metres. Default 1.8.
     pub height: f32,
-    /// Height while crouched, metres. Default 1.2.
+    /// Height while crouched, metres. Default 1.35.
     pub crouch_height: f32,
     /// Steepest ground to walk on, degrees in RON. Default 45°. Steeper ground is slid down.
     #[serde(with = "super::degrees")]
@@ -82,6 +82,10 @@ pub struct MotionConfig {
     pub jump_coyote: f32,
     /// Seconds before landing from which a press of the button still counts. Default 0.15.
     pub jump_buffer: f32,
+    /// Metres by which a ceiling's edge may be in the way of a jump without stopping it. Default 0.12.
+    ///
+    /// 0: every edge that the head brushes ends the jump. Large: it slips out from under anything.
+    pub jump_corner: f32,
     /// Mass with which the character weighs on dynamic bodies, kg. Default 75.
     pub mass: f32,
     /// Greatest force with which it pushes dynamic bodies, N. Default 600.
@@ -109,7 +113,7 @@ impl Default for MotionConfig {
             standing_turn_rate: 120f32.to_radians(),
             radius: 0.28,
             height: 1.8,
-            crouch_height: 1.2,
+            crouch_height: 1.35,
             slope_limit: 45f32.to_radians(),
             step_up: 0.35,
             step_down: 0.35,
@@ -120,6 +124,7 @@ impl Default for MotionConfig {
             jump_tap_height: 0.4,
             jump_coyote: 0.12,
             jump_buffer: 0.15,
+            jump_corner: 0.12,
             mass: 75.0,
             push_force: 600.0,
         }
@@ -165,7 +170,7 @@ impl MotionConfig {
         mended
     }
 
-    fn fields(&mut self) -> [(&'static str, &mut f32); 29] {
+    fn fields(&mut self) -> [(&'static str, &mut f32); 30] {
         [
             ("walk_speed", &mut self.walk_speed),
             ("run_speed", &mut self.run_speed),
@@ -194,6 +199,7 @@ impl MotionConfig {
             ("jump_tap_height", &mut self.jump_tap_height),
             ("jump_coyote", &mut self.jump_coyote),
             ("jump_buffer", &mut self.jump_buffer),
+            ("jump_corner", &mut self.jump_corner),
             ("mass", &mut self.mass),
             ("push_force", &mut self.push_force),
         ]
@@ -220,6 +226,7 @@ impl MotionConfig {
             step_down: of(self.step_down),
             jump_height: of(self.jump_height),
             jump_tap_height: of(self.jump_tap_height),
+            jump_corner: of(self.jump_corner),
             mass: self.mass * scale * scale * scale,
             push_force: self.push_force * scale * scale * scale,
             ..self.clone()

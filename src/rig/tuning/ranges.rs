@@ -5,8 +5,10 @@ use core::ops::RangeInclusive;
 use bevy::reflect::{PartialReflect, ReflectRef};
 
 use super::{
+    balance::BalanceConfig,
     foot_ik::FootIkConfig,
     locomotion::{Condition, LocomotionConfig, Pace, StateConfig},
+    look::LookConfig,
     motion::MotionConfig,
 };
 use crate::rig::names::{listed, suggestion};
@@ -245,5 +247,45 @@ impl FootIkConfig {
         ranges.degrees("roll_limit", self.roll_limit, 0.0..=90.0)?;
         ranges.within("pelvis_extension", self.pelvis_extension, 0.5..=1.0, "")?;
         ranges.ordered("extension", self.extension, 0.5..=1.0)
+    }
+}
+
+impl BalanceConfig {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// With the first value out of range.
+    pub fn check(&self, ranges: &Ranges) -> Result<(), RangeError> {
+        for (field, value) in [
+            ("forward", self.forward),
+            ("side", self.side),
+            ("uphill", self.uphill),
+            ("downhill", self.downhill),
+            ("from_ankles", self.from_ankles),
+        ] {
+            ranges.within(field, value, 0.0..=1.0, "")?;
+        }
+        ranges.within("half_life", self.half_life, 0.0..=5.0, " s")?;
+        ranges.degrees("forward_limit", self.forward_limit, 0.0..=45.0)?;
+        ranges.degrees("backward_limit", self.backward_limit, 0.0..=45.0)?;
+        ranges.degrees("side_limit", self.side_limit, 0.0..=45.0)
+    }
+}
+
+impl LookConfig {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// With the first value out of range.
+    pub fn check(&self, ranges: &Ranges) -> Result<(), RangeError> {
+        ranges.within("half_life", self.half_life, 0.0..=5.0, " s")?;
+        ranges.within("ahead", self.ahead, 0.0..=5.0, " s")?;
+        for (field, value) in [("slope", self.slope), ("level", self.level), ("chest", self.chest), ("neck", self.neck)]
+        {
+            ranges.within(field, value, 0.0..=1.0, "")?;
+        }
+        ranges.within("chest and neck together", self.chest + self.neck, 0.0..=1.0, "")?;
+        ranges.degrees("side_limit", self.side_limit, 0.0..=90.0)?;
+        ranges.degrees("up_limit", self.up_limit, 0.0..=90.0)
     }
 }

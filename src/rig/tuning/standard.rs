@@ -14,7 +14,7 @@ use super::locomotion::{
 const STILL: &[&str] = &["idle", "turn_left", "turn_right", "wave"];
 /// Upright and on the way.
 const GOING: &[&str] = &["walk", "run", "sprint", "strafe"];
-const CROUCHED: &[&str] = &["crouch_idle", "crouch_walk"];
+const CROUCHED: &[&str] = &["crouch_idle", "crouch_walk", "crouch_strafe"];
 const LANDING: &[&str] = &["land_light", "land_hard"];
 const AIRBORNE: &[&str] = &["jump", "fall"];
 
@@ -41,15 +41,20 @@ pub fn states() -> Vec<StateConfig> {
     let gait = |name: &str, start_phase: f32| state(name, Pace::Gait { start_phase });
     let clock = |name: &str| state(name, Pace::Clock);
     let turn = |name: &str, degrees: f32| state(name, Pace::Turn { angle: degrees.to_radians() });
-    let ways = ["walk", "run", "walk_back", "strafe_left", "strafe_right"];
+    let ways = |name: &str, clips: &[&str]| StateConfig {
+        clip: String::new(),
+        blend: clips.iter().copied().map(String::from).collect(),
+        ..gait(name, STROLL)
+    };
     vec![
         clock("idle"),
         gait("walk", STROLL),
         gait("run", DASH),
         gait("sprint", DASH),
-        StateConfig { clip: String::new(), blend: ways.map(String::from).to_vec(), ..gait("strafe", STROLL) },
+        ways("strafe", &["walk", "run", "walk_back", "strafe_left", "strafe_right"]),
         clock("crouch_idle"),
         gait("crouch_walk", STROLL),
+        ways("crouch_strafe", &["crouch_walk", "crouch_back", "crouch_left", "crouch_right"]),
         clock("jump"),
         clock("fall"),
         clock("land_light"),
@@ -112,6 +117,7 @@ fn landings() -> Vec<TransitionConfig> {
         sudden(&[AIRBORNE], "sprint", on_the_way(SPRINT), 0.2),
         sudden(&[AIRBORNE], "run", on_the_way(RUN_NO_MORE), 0.2),
         sudden(&[AIRBORNE], "walk", on_the_way(0.5), 0.2),
+        sudden(&[AIRBORNE], "crouch_strafe", all([Grounded, Crouched, FacingLocked, SpeedAbove(0.5)]), 0.2),
         sudden(&[AIRBORNE], "crouch_walk", all([Grounded, Crouched, SpeedAbove(0.5)]), 0.2),
         sudden(&[AIRBORNE], "crouch_idle", all([Grounded, Crouched]), 0.2),
         sudden(&[AIRBORNE], "land_light", Grounded, 0.12),
@@ -121,11 +127,15 @@ fn landings() -> Vec<TransitionConfig> {
 
 fn crouching() -> Vec<TransitionConfig> {
     let upright = |speed| all([Upright, SpeedAbove(speed)]);
+    let aiming = || all([Crouched, FacingLocked, SpeedAbove(WALK)]);
     vec![
+        change(&[STILL, GOING, LANDING], "crouch_strafe", aiming(), 0.3),
         change(&[STILL, GOING, LANDING], "crouch_walk", all([Crouched, SpeedAbove(WALK)]), 0.3),
         change(&[STILL, GOING, LANDING], "crouch_idle", Crouched, 0.3),
+        change(&[&["crouch_idle", "crouch_walk"]], "crouch_strafe", aiming(), 0.25),
+        change(&[&["crouch_strafe"]], "crouch_walk", all([Crouched, FacingFree, SpeedAbove(STAND)]), 0.25),
         change(&[&["crouch_idle"]], "crouch_walk", all([Crouched, SpeedAbove(WALK)]), 0.25),
-        change(&[&["crouch_walk"]], "crouch_idle", all([Crouched, SpeedBelow(STAND)]), 0.25),
+        change(&[&["crouch_walk", "crouch_strafe"]], "crouch_idle", all([Crouched, SpeedBelow(STAND)]), 0.25),
         change(&[CROUCHED], "strafe", all([Upright, FacingLocked, SpeedAbove(WALK)]), 0.3),
         change(&[CROUCHED], "run", upright(RUN), 0.3),
         change(&[CROUCHED], "walk", upright(WALK), 0.3),

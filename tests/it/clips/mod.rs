@@ -25,17 +25,33 @@ const fn gait(name: &'static str, travel: Vec3, duty: [f32; 2], knee_speed: f32,
     Gait { name, travel, duty, knee_speed, pelvis, between: 0.0005 }
 }
 
-const GAITS: [Gait; 7] = [
+const GAITS: [Gait; 10] = [
     gait("walk", Vec3::new(0.0, 0.0, 1.4), [0.59, 0.64], 450.0, 6.0),
     gait("run", Vec3::new(0.0, 0.0, 3.5), [0.33, 0.38], 800.0, 15.0),
     Gait { between: 0.001, ..gait("sprint", Vec3::new(0.0, 0.0, 6.0), [0.22, 0.28], 1200.0, 15.0) },
     gait("crouch_walk", Vec3::new(0.0, 0.0, 1.0), [0.6, 0.7], 450.0, 6.0),
     gait("walk_back", Vec3::new(0.0, 0.0, -1.1), [0.6, 0.68], 450.0, 6.0),
+    gait("crouch_back", Vec3::new(0.0, 0.0, -1.1), [0.6, 0.68], 450.0, 6.0),
+    gait("crouch_left", Vec3::new(1.2, 0.0, 0.0), [0.55, 0.64], 550.0, 6.0),
+    gait("crouch_right", Vec3::new(-1.2, 0.0, 0.0), [0.55, 0.64], 550.0, 6.0),
     gait("strafe_left", Vec3::new(1.2, 0.0, 0.0), [0.55, 0.64], 550.0, 6.0),
     gait("strafe_right", Vec3::new(-1.2, 0.0, 0.0), [0.55, 0.64], 550.0, 6.0),
 ];
-const LOOPS: [&str; 10] =
-    ["idle", "walk", "run", "sprint", "crouch_idle", "crouch_walk", "walk_back", "strafe_left", "strafe_right", "fall"];
+const LOOPS: [&str; 13] = [
+    "idle",
+    "walk",
+    "run",
+    "sprint",
+    "crouch_idle",
+    "crouch_walk",
+    "crouch_back",
+    "crouch_left",
+    "crouch_right",
+    "walk_back",
+    "strafe_left",
+    "strafe_right",
+    "fall",
+];
 const ONCE: [&str; 6] = ["jump", "land_light", "land_hard", "turn_left", "turn_right", "wave"];
 /// A sole point this low, in metres, stands.
 const STANDS: f32 = 0.000_05;

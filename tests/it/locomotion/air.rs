@@ -70,3 +70,14 @@ fn a_step_off_a_high_ledge_is_a_hard_landing() {
     assert!(passed.ends_with(&["fall".to_owned(), "land_hard".to_owned()]), "passed through {passed:?}");
     assert_eq!(states(&mut stage, walker, 1.5).last().map(String::as_str), Some("idle"));
 }
+
+#[test]
+fn a_landing_catches_the_body_without_a_jolt() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    stage.intend(walker, jump(Vec3::ZERO)).run_for(0.5).start_recording(walker).run_for(1.5);
+    let measures = stage.measures(walker);
+    assert!(measures.penetration_max < 5.0, "a sole sinks by {:.1} mm", measures.penetration_max);
+    assert_eq!(measures.knee_hyperextended, 0, "knees bend backward");
+    // From 5 m/s: 300 m/s² if the body stopped with the feet.
+    assert!(measures.pelvis_max < 100.0, "the pelvis is jolted by {:.0} m/s²", measures.pelvis_max);
+}

@@ -2,6 +2,8 @@
 
 mod aim;
 mod air;
+mod layers;
+mod pops;
 
 use bevy::prelude::*;
 use surefoot::{
@@ -149,9 +151,20 @@ fn under_a_low_ceiling_it_stays_low_until_there_is_room() {
     let root = stage.root(walker);
     assert!(root.z < -2.5 && root.z > -6.0, "it is below the ceiling, at {root}");
     assert_eq!(state(&stage, walker), "crouch_walk", "no room to stand up");
+    let top = head_top(&stage, walker);
+    assert!(top < 1.4, "the head is {top:.2} m up, in the ceiling");
     stage.run_for(4.0);
     assert!(stage.root(walker).z < -6.3, "it got through, to {}", stage.root(walker));
     assert_eq!(state(&stage, walker), "walk", "there is room again");
+}
+
+/// Height of the crown over the ground.
+fn head_top(stage: &Stage, walker: Entity) -> f32 {
+    let pose = &stage.get::<CharacterPose>(walker).expect("bound").pose;
+    let asset = asset(stage, walker);
+    let head = asset.skeleton.find("head").expect("the mannequin has a head");
+    // The crown is 0.245 m above the head's joint.
+    stage.root(walker).y + (pose.model(head).transform_point3(Vec3::Y * 0.245)).y
 }
 
 #[test]

@@ -109,6 +109,49 @@ fn a_ceiling_ends_a_jump() {
 }
 
 #[test]
+fn a_ceilings_edge_in_the_way_by_a_hand_does_not_end_a_jump() {
+    let rise = |overlap: f32| {
+        let mut app = world(HZ);
+        flat(&mut app);
+        let edge = MotionConfig::default().radius - overlap;
+        block(&mut app, Vec3::new(edge + 2.0, 2.6, 0.0), Vec3::new(4.0, 1.0, 8.0), Quat::IDENTITY);
+        let walker = walker(&mut app, Vec3::ZERO);
+        updates(&mut app, 10);
+        intend(&mut app, walker, jump(Vec3::ZERO, true));
+        apex(&mut app, walker, 64)
+    };
+    let whole = MotionConfig::default().jump_height;
+    for overlap in [0.02f32, 0.05, 0.08] {
+        let top = rise(overlap);
+        assert!(top > 0.85 * whole, "an edge {overlap} m in the way: rose {top} m of {whole} m");
+    }
+    let top = rise(0.25);
+    assert!(top < 0.5, "an edge 0.25 m in the way: rose {top} m of {whole} m");
+}
+
+#[test]
+fn a_jump_takes_the_run_along() {
+    for degrees in [0.0f32, 20.0, 45.0, 70.0, 135.0, 250.0] {
+        let way = Quat::from_rotation_y(degrees.to_radians()) * Vec3::NEG_Z * 3.5;
+        for ticks in [60, 77, 94, 111] {
+            let mut app = world(HZ);
+            block(&mut app, Vec3::Y * -0.5, Vec3::new(200.0, 1.0, 200.0), Quat::IDENTITY);
+            let walker = walker(&mut app, Vec3::ZERO);
+            intend(&mut app, walker, jump(way, false));
+            updates(&mut app, ticks);
+            intend(&mut app, walker, jump(way, true));
+            updates(&mut app, 5);
+            let velocity = state(&app, walker).velocity;
+            let lost = velocity.with_y(0.0).distance(way);
+            assert!(
+                lost < 0.01,
+                "jumping {degrees}° aside in tick {ticks} changed the run by {lost:.2} m/s: {velocity}"
+            );
+        }
+    }
+}
+
+#[test]
 fn the_air_steers_a_little() {
     let mut app = world(HZ);
     flat(&mut app);

@@ -14,7 +14,8 @@ const BACK_SPEED: f64 = 1.1;
 const SIDE_PERIOD: f64 = 35.0 / 60.0;
 const SIDE_SPEED: f64 = 1.2;
 
-fn back_trunk(phase: f64) -> Trunk {
+/// Pelvis, thorax, head and arms going backward.
+pub fn back_trunk(phase: f64) -> Trunk {
     let hips = DVec3::new(
         wave(phase, 1.0, 0.30, 0.020),
         rest("hips").y - 0.056 - wave(phase, 2.0, 0.03, 0.010),
@@ -83,7 +84,8 @@ pub fn back() -> Gait {
     Gait { name: "walk_back", strides, right_phase: 0.5, rate: 60.0, knees_out: 6.0, trunk: back_trunk }
 }
 
-fn side_trunk(phase: f64) -> Trunk {
+/// The same going to the left.
+pub fn side_trunk(phase: f64) -> Trunk {
     // To the left: both feet are widest apart at phase 0, when the left one lands, and closest at 0.5.
     let hips = DVec3::new(
         wave(phase, 1.0, 0.42, 0.012),

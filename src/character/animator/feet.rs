@@ -1,0 +1,99 @@
+//! Blends feet where they are.
+//!
+//! Joint angles half-way between two poses put feet somewhere else than half-way, mostly into the ground: between standing
+//! and crouching by 6 cm. So feet are blended by their own place and turn in model space, and the legs set onto them.
+//! Metres, +Y up, the character faces -Z.
+
+use bevy::{math::Affine3A, prelude::*};
+
+use crate::{
+    anim::{
+        blend::Accumulator,
+        ik::two_bone::Extension,
+        leg::Leg,
+        pose::{Pose, rotation_of},
+        skeleton::{JointTransform, Skeleton},
+    },
+    character::legs::{LegJoints, place_leg},
+};
+
+/// How far a blended leg may stretch: as far as clips do.
+pub(super) const EXTENSION: Extension = Extension { soft: 0.985, hard: 0.995 };
+
+/// Left and right ankle joint in model space.
+pub(super) type Ankles = [JointTransform; 2];
+
+/// Where both feet shall be, from all playing clips together.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BlendedFeet {
+    ankles: Ankles,
+}
+
+impl BlendedFeet {
+    /// Takes what is added to the sum, feet of clips by their weights, for the feet that are wanted.
+    pub(super) fn start(&mut self) -> Accumulator<'_> {
+        Accumulator::new(&mut self.ankles)
+    }
+
+    /// Shifts and turns the feet of `pose` by what lies between `blended`, where the blended joints alone put them, and
+    /// where they are wanted.
+    pub(super) fn correct(&self, pose: &mut Pose, skeleton: &Skeleton, legs: &[Leg; 2], blended: &Ankles) {
+        for ((leg, wanted), blended) in legs.iter().zip(&self.ankles).zip(blended) {
+            let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
+            let ankle = pose.position(leg.foot) + wanted.translation - blended.translation;
+            let rotation = wanted.rotation * blended.rotation.inverse() * pose.rotation(leg.foot);
+            place_leg(pose, skeleton, joints, ankle, rotation, Vec3::NEG_Z, EXTENSION);
+        }
+    }
+}
+
+/// Both ankle joints of a pose of local transforms, in model space.
+pub(super) fn ankles(locals: &[JointTransform], skeleton: &Skeleton, legs: &[Leg; 2]) -> Ankles {
+    [0, 1].map(|side| {
+        let mut joint = Some(legs[side].foot);
+        let mut from_ankle = Affine3A::IDENTITY;
+        while let Some(index) = joint {
+            from_ankle = locals[index.index()].to_affine() * from_ankle;
+            joint = skeleton.parent(index);
+        }
+        let model = skeleton.model_from_root * from_ankle;
+        JointTransform { translation: model.translation.into(), rotation: rotation_of(&model), scale: Vec3::ONE }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ankles_found_alone_are_those_of_the_whole_pose() {
+        use crate::anim::skeleton::JointIndex;
+        let step = |y: f32, x: f32| JointTransform { translation: Vec3::new(x, y, 0.0), ..JointTransform::IDENTITY };
+        let joints = [
+            ("hips".to_owned(), None, step(0.9, 0.0)),
+            ("left thigh".to_owned(), Some(JointIndex(0)), step(0.0, -0.1)),
+            ("left shin".to_owned(), Some(JointIndex(1)), step(-0.4, 0.0)),
+            ("left foot".to_owned(), Some(JointIndex(2)), step(-0.4, 0.0)),
+            ("right thigh".to_owned(), Some(JointIndex(0)), step(0.0, 0.1)),
+            ("right shin".to_owned(), Some(JointIndex(4)), step(-0.4, 0.0)),
+            ("right foot".to_owned(), Some(JointIndex(5)), step(-0.4, 0.0)),
+        ];
+        let root = Affine3A::from_rotation_y(1.0);
+        let skeleton = Skeleton::new(joints, root).expect("parents come first");
+        let leg = |first: u16| {
+            let [upper, lower, foot] = [first, first + 1, first + 2].map(JointIndex);
+            Leg { upper, lower, foot, ..Leg::default() }
+        };
+        let legs = [leg(1), leg(4)];
+        let mut pose = Pose::rest(&skeleton);
+        for joint in skeleton.joints() {
+            pose.rotate_model(&skeleton, joint, Quat::from_rotation_x(0.1 * f32::from(joint.0)));
+        }
+        pose.update_model(&skeleton);
+        for (found, leg) in ankles(pose.locals(), &skeleton, &legs).iter().zip(&legs) {
+            let off = found.translation.distance(pose.position(leg.foot));
+            assert!(off < 1e-5, "an ankle is found {off} m off");
+            assert!(found.rotation.angle_between(pose.rotation(leg.foot)) < 1e-3, "a foot is found turned");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Turns the head: ahead of a turn, along the slope, or at a point, and keeps it level while the body leans.
+//!
+//! Reads `MotionState`, [`Balance`] and the pose with its feet placed; turns chest, neck and head. Model space: metres,
+//! +Y up, the character faces -Z; yaw left positive, pitch up positive, radians.
+
+use bevy::{math::ops, prelude::*};
+
+use super::{
+    Character,
+    animator::{Balance, CharacterPose},
+    bind::CharacterAssets,
+    locomotion::Locomotion,
+    motion::MotionState,
+    schedule::PoseSystems,
+};
+use crate::{
+    anim::pose::Pose,
+    math::{
+        rotation::{from_scaled_axis, heading, to_scaled_axis},
+        spring::Spring,
+    },
+    rig::{character::CharacterAsset, humanoid::HumanoidRole, tuning::look::LookConfig},
+};
+
+/// A point in the world that a character looks at as far as its neck goes: put it on the character.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct LookAt(pub Vec3);
+
+/// A character's gaze, carried from frame to frame.
+#[derive(Component, Clone, Debug, Default)]
+pub struct Look {
+    /// Yaw and pitch against the clip's.
+    pub gaze: Spring<Vec2>,
+}
+
+/// Turns below this, in radians, are none.
+const NOTHING: f32 = 1e-4;
+
+/// Turns heads.
+pub struct LookPlugin;
+
+impl Plugin for LookPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(PostUpdate, look.in_set(PoseSystems::Look));
+    }
+}
+
+/// Yaw and pitch that the gaze shall have for a body that moves so, over ground of this grade.
+#[must_use]
+pub fn wanted_gaze(motion: &MotionState, grade: f32, config: &LookConfig) -> Vec2 {
+    let speed = motion.ground_velocity.with_y(0.0).length();
+    let yaw = motion.turn_ahead + motion.ground_yaw_rate * config.ahead;
+    let pitch = ops::atan(grade) * config.slope * speed.min(1.0);
+    limited(Vec2::new(yaw, pitch), config)
+}
+
+/// Yaw and pitch from the head at `from` to `point`, model space.
+#[must_use]
+pub fn gaze_at(from: Vec3, point: Vec3, config: &LookConfig) -> Vec2 {
+    let way = point - from;
+    let across = way.with_y(0.0).length();
+    if across < 1e-3 {
+        return Vec2::ZERO;
+    }
+    limited(Vec2::new(heading(way), ops::atan(way.y / across)), config)
+}
+
+fn limited(gaze: Vec2, config: &LookConfig) -> Vec2 {
+    let most = Vec2::new(config.side_limit, config.up_limit).max(Vec2::ZERO);
+    gaze.clamp(-most, most)
+}
+
+/// Turns chest, neck and head by `turn`, axis times radians in model space.
+fn apply(turn: Vec3, pose: &mut Pose, asset: &CharacterAsset, config: &LookConfig) {
+    let Some(head) = asset.humanoid.get(HumanoidRole::Head) else { return };
+    let chest = asset.humanoid.get(HumanoidRole::UpperChest).or_else(|| asset.humanoid.get(HumanoidRole::Chest));
+    let mut left = 1.0;
+    let mut lowest = head;
+    // All turns are about one axis, so each may be made in the frame that its joint had.
+    for (joint, share) in [(asset.humanoid.get(HumanoidRole::Neck), config.neck), (chest, config.chest)] {
+        if let Some(joint) = joint {
+            pose.rotate_model(&asset.skeleton, joint, from_scaled_axis(turn * share));
+            left -= share;
+            lowest = joint;
+        }
+    }
+    pose.rotate_model(&asset.skeleton, head, from_scaled_axis(turn * left));
+    pose.update_model_below(&asset.skeleton, lowest);
+}
+
+fn look(
+    time: Res<Time>,
+    assets: CharacterAssets,
+    mut characters: Query<(
+        &Character,
+        &Transform,
+        &MotionState,
+        &Locomotion,
+        &Balance,
+        Option<&LookAt>,
+        &mut Look,
+        &mut CharacterPose,
+    )>,
+) {
+    let dt = time.delta_secs();
+    characters.par_iter_mut().for_each(|(character, root, motion, locomotion, balance, target, mut look, mut pose)| {
+        let Some(asset) = assets.get(character) else { return };
+        let config = &asset.file.look;
+        if !config.enabled {
+            return;
+        }
+        let goal = match (target, asset.humanoid.get(HumanoidRole::Head)) {
+            (Some(target), Some(head)) if target.0.is_finite() => {
+                let point = root.to_isometry().inverse() * target.0;
+                gaze_at(pose.pose.position(head), point, config)
+            }
+            _ => wanted_gaze(motion, locomotion.grade(), config),
+        };
+        look.gaze.step(goal, config.half_life, dt);
+        let gaze = Quat::from_rotation_y(look.gaze.value.x) * Quat::from_rotation_x(look.gaze.value.y);
+        let lean = if asset.file.balance.enabled { balance.whole() } else { Vec3::ZERO };
+        let turn = to_scaled_axis(gaze) - lean * config.level;
+        if turn.length() > NOTHING {
+            apply(turn, &mut pose.pose, asset, config);
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gaze_goes_into_a_turn_before_the_body_and_within_limits() {
+        let config = LookConfig::default();
+        let turning = MotionState { turn_ahead: 0.4, ground_yaw_rate: 1.0, ..default() };
+        let gaze = wanted_gaze(&turning, 0.0, &config);
+        assert!((gaze.x - 0.65).abs() < 1e-4 && gaze.y.abs() < 1e-6, "{gaze}");
+        let about = MotionState { turn_ahead: 3.0, ground_yaw_rate: 12.0, ..default() };
+        assert!((wanted_gaze(&about, 0.0, &config).x - config.side_limit).abs() < 1e-4);
+        assert_eq!(wanted_gaze(&MotionState::default(), 0.5, &config), Vec2::ZERO, "who stands looks ahead");
+    }
+
+    #[test]
+    fn a_point_is_looked_at_as_far_as_the_neck_goes() {
+        let config = LookConfig::default();
+        let head = Vec3::Y * 1.6;
+        let gaze = gaze_at(head, Vec3::new(-1.0, 1.6, -1.0), &config);
+        assert!((gaze.x.to_degrees() - 45.0).abs() < 0.01 && gaze.y.abs() < 1e-4, "{gaze} to the left");
+        let gaze = gaze_at(head, Vec3::new(0.0, 50.0, -1.0), &config);
+        assert!((gaze.y - config.up_limit).abs() < 1e-4, "{gaze} up");
+        assert_eq!(gaze_at(head, head, &config), Vec2::ZERO, "a point within the head has no direction");
+    }
+}
