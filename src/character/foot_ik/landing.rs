@@ -106,7 +106,7 @@ impl Landing {
         self.clip = clip;
         self.behind -= moved * (1.0 - follows);
         if follows >= 1.0 {
-            self.behind = self.behind * remaining(FOLLOW, dt);
+            self.behind *= remaining(FOLLOW, dt);
         }
         clip + self.behind
     }
