@@ -20,6 +20,8 @@ pub enum PoseSystems {
     Sample,
     /// Ground → feet, ankles, pelvis of the local pose.
     Plant,
+    /// Targets → joints of IK chains.
+    Reach,
     /// Model pose, and what rides on it.
     Attach,
     /// Model pose → skinning matrices.
@@ -33,7 +35,14 @@ impl Plugin for SchedulePlugin {
     fn build(&self, app: &mut App) {
         app.configure_sets(FixedUpdate, (MotionSystems::Decide, MotionSystems::Move).chain()).configure_sets(
             PostUpdate,
-            (PoseSystems::Locomote, PoseSystems::Sample, PoseSystems::Plant, PoseSystems::Attach, PoseSystems::Palette)
+            (
+                PoseSystems::Locomote,
+                PoseSystems::Sample,
+                PoseSystems::Plant,
+                PoseSystems::Reach,
+                PoseSystems::Attach,
+                PoseSystems::Palette,
+            )
                 .chain()
                 .before(TransformSystems::Propagate),
         );

@@ -27,15 +27,8 @@ fn sweep(joints: &mut [ChainJoint], goal: &Goal, room: &mut Workspace) {
         end = joint.to_parent(end);
     }
     let mut target = goal.target;
-    let mut give: f32 = joints.iter().skip(1).map(|joint| joint.give).sum();
-    for (index, joint) in joints.iter_mut().enumerate() {
-        let mut part = 1.0;
-        if index > 0 {
-            // Each leaves their part to those below it, so that all share the bend.
-            part = (joint.give / give.max(f32::EPSILON)).clamp(0.0, 1.0);
-            give -= joint.give;
-        }
-        joint.swing_part(joint.to_parent(room.points[index]), target, part);
+    for (joint, place) in joints.iter_mut().zip(&room.points) {
+        joint.swing_part(joint.to_parent(*place), target, joint.give);
         target = joint.from_parent(target);
     }
 }
