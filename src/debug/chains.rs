@@ -1,4 +1,4 @@
-//! Draws IK chains: their bones, where they shall go, whether they get there, and how far their joints may turn.
+//! Draws IK chains that show: their bones, where they shall go, whether they get there, and how far their joints may turn.
 //!
 //! Reads [`IkState`] and the pose; draws lines in world space, metres, over everything else.
 
@@ -64,7 +64,7 @@ fn draw(
 ) {
     for (chain, state, result, of) in &chains {
         let Ok((character, root, pose)) = characters.get(of.0) else { continue };
-        let Some(asset) = assets.get(character) else { continue };
+        let Some(asset) = assets.get(character).filter(|_| result.weight > 0.0) else { continue };
         let world_from_model = root.compute_affine();
         let place = |index: usize| world_from_model.transform_point3(pose.pose.position(state.path()[index]));
         for (index, joint) in state.joints().iter().enumerate() {
@@ -80,7 +80,7 @@ fn draw(
             let frame = world_from_model * model_from_parent;
             draw_limit(&mut gizmos, &frame, joint, place(index), bone);
         }
-        if let (Some(target), true) = (state.target(), result.weight > 0.0) {
+        if let Some(target) = state.target() {
             let target = world_from_model.transform_point3(target);
             let color = if result.reached { REACHED } else { MISSED };
             gizmos.sphere(target, 0.03, color);

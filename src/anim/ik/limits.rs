@@ -49,9 +49,14 @@ impl Limit {
             Self::Hinge { axis, min, max } => from_scaled_axis(axis * clamp_angle(twist_angle(turn, axis), min, max)),
             Self::Cone { axis, swing, twist } => {
                 let twisted = twist_about(turn, axis);
-                let swung = to_scaled_axis(turn * twisted.inverse()).clamp_length_max(swing.max(0.0));
-                let angle = clamp_angle(twist_angle(twisted, axis), twist[0], twist[1]);
-                (from_scaled_axis(swung) * from_scaled_axis(axis * angle)).normalize()
+                let swung = to_scaled_axis(turn * twisted.inverse());
+                let angle = twist_angle(twisted, axis);
+                let kept = clamp_angle(angle, twist[0], twist[1]);
+                if swung.length() <= swing && (kept - angle).abs() <= 0.0 {
+                    return turn;
+                }
+                let swung = swung.clamp_length_max(swing.max(0.0));
+                (from_scaled_axis(swung) * from_scaled_axis(axis * kept)).normalize()
             }
         }
     }
