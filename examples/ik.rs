@@ -38,7 +38,7 @@ const MIDDLES: [Vec3; 4] =
     [Vec3::new(0.32, 1.2, 0.3), Vec3::new(0.3, 1.2, 0.34), Vec3::new(-0.35, 1.15, 0.5), Vec3::new(0.0, 1.5, 1.0)];
 /// How far targets go to each side.
 const SWAYS: [Vec3; 4] =
-    [Vec3::new(0.24, 0.34, 0.16), Vec3::new(0.3, 0.4, 0.14), Vec3::new(0.34, 0.5, 0.2), Vec3::new(0.9, 0.4, 0.2)];
+    [Vec3::new(0.24, 0.34, 0.16), Vec3::new(0.3, 0.4, 0.14), Vec3::new(0.3, 0.42, 0.2), Vec3::new(0.6, 0.4, 0.2)];
 /// Radians a second of a target's way along each axis.
 const PACE: Vec3 = Vec3::new(1.1, 1.7, 0.7);
 /// Metres from the cursor at which a target is taken.
@@ -98,7 +98,7 @@ fn build(
         Transform::default(),
     ));
     let ball = meshes.add(Sphere::new(0.035));
-    let glow = StandardMaterial { emissive: LinearRgba::rgb(4.0, 1.2, 0.1), ..Color::srgb(1.0, 0.6, 0.15).into() };
+    let glow = StandardMaterial { unlit: true, ..Color::srgb(1.0, 0.35, 0.02).into() };
     let glow = materials.add(glow);
     for lane in 0..NAMES.len() {
         // They face the camera.

@@ -107,7 +107,8 @@ fn enter(
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     let place = Transform::from_xyz(START, 0.0, 0.0).looking_to(Vec3::X, Vec3::Y);
-    let hero = commands.spawn((Character(server.load("mannequin.character.ron")), Touches, place)).id();
+    let hero =
+        commands.spawn((Character(server.load("mannequin.character.ron")), Touches, Visibility::default(), place)).id();
 
     let brass = materials.add(StandardMaterial {
         metallic: 0.8,

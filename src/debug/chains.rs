@@ -83,7 +83,7 @@ fn draw(
         if let Some(target) = state.target() {
             let target = world_from_model.transform_point3(target);
             let color = if result.reached { REACHED } else { MISSED };
-            gizmos.sphere(target, 0.03, color);
+            gizmos.sphere(target, 0.045, color);
             if !result.reached
                 && let Some(tip) = state.path().len().checked_sub(1)
             {
