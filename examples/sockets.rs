@@ -138,7 +138,7 @@ fn enter(
         lamp.spawn((light, Transform::from_xyz(0.0, -0.2, 0.0)));
     });
 
-    let canvas = StandardMaterial { perceptual_roughness: 0.9, ..Color::srgb(0.32, 0.38, 0.24).into() };
+    let canvas = StandardMaterial { perceptual_roughness: 0.9, ..Color::srgb(0.13, 0.2, 0.3).into() };
     let leather = StandardMaterial { perceptual_roughness: 0.7, ..Color::srgb(0.4, 0.24, 0.12).into() };
     let (canvas, leather) = (materials.add(canvas), materials.add(leather));
     let mut part = |mesh: Mesh, material: &Handle<StandardMaterial>, at: Transform| {

@@ -18,6 +18,7 @@ use crate::{
 
 /// Makes a child of a [`Character`] ride on one of its joints.
 ///
+/// Give a character that carries what is drawn a `Visibility` from the start: it gets one of its own only with its model.
 /// To let it go, take its `ChildOf` away (`remove_parent_in_place` leaves it where it is).
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[require(Transform, Socket)]

@@ -2,14 +2,21 @@
 
 use bevy::prelude::*;
 use surefoot::{
-    anim::leg::{LEFT, RIGHT},
+    anim::{
+        ik::chain::ChainJoint,
+        leg::{LEFT, RIGHT},
+        pose::Pose,
+    },
     character::{
         Character,
         animator::CharacterPose,
         attach::Attach,
         chains::{ChainJointSetup, ChainOf, IkChain, IkResult, IkState, IkTarget, Pole, RestLimit},
     },
-    rig::humanoid::HumanoidRole::{Head, LeftHand, RightHand, RightUpperArm},
+    rig::{
+        humanoid::HumanoidRole::{Head, LeftHand, RightHand, RightUpperArm},
+        joint_ref::JointRef,
+    },
     testing::{Stage, World},
 };
 
@@ -66,7 +73,7 @@ fn greatest_step(stage: &mut Stage, walker: Entity, frames: usize) -> f32 {
 
 /// Greatest turn of a joint beyond its limit, radians.
 fn excess(stage: &Stage, chain: Entity) -> f32 {
-    stage.get::<IkState>(chain).unwrap().joints().iter().map(|joint| joint.excess()).fold(0.0, f32::max)
+    stage.get::<IkState>(chain).unwrap().joints().iter().map(ChainJoint::excess).fold(0.0, f32::max)
 }
 
 #[test]
@@ -213,7 +220,7 @@ fn neck_and_chest_turn_the_eyes_to_what_is_near() {
     assert!(result.reached, "{result:?}");
     let asset = stage.asset(walker).unwrap();
     let joint = asset.skeleton.find("head").unwrap();
-    let rest = surefoot::anim::pose::Pose::rest(&asset.skeleton).model(joint);
+    let rest = Pose::rest(&asset.skeleton).model(joint);
     let now = stage.get::<CharacterPose>(walker).unwrap().pose.model(joint);
     let turn = now * rest.inverse();
     let eye = now.transform_point3(rest.inverse().transform_vector3(eyes));
@@ -228,7 +235,7 @@ fn a_chain_with_a_misspelt_joint_leaves_the_pose_alone() {
     stage.run_for(0.5);
     assert_eq!(result(&stage, hand), IkResult::default());
     assert!(stage.get::<IkState>(hand).unwrap().path().is_empty());
-    let error = surefoot::rig::joint_ref::JointRef::from("rightUperArm").find(stage.asset(walker).unwrap());
+    let error = JointRef::from("rightUperArm").find(stage.asset(walker).unwrap());
     let text = error.unwrap_err().to_string();
     assert!(text.contains("did you mean `rightUpperArm`?"), "{text}");
     change(&mut stage, hand, |chain| chain.root = RightUpperArm.into());

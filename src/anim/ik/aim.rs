@@ -59,12 +59,12 @@ fn pass(joints: &mut [ChainJoint], shares: &[f32], aim: &Aim) {
         let last = index + 1 == joints.len();
         let part = if last { 1.0 } else { (share(index) / left.max(f32::EPSILON)).min(1.0) };
         left -= share(index);
-        let ray = |point: Vec3| joints[index..].iter().rev().fold(point, |point, joint| joint.to_parent(point));
+        let ray = |point: Vec3| joints[index..].iter().rev().fold(point, |point, joint| joint.in_parent(point));
         let eye = ray(aim.eye);
         let (from, to) = (ray(aim.eye + aim.forward) - eye, target - eye);
         let pivot = joints[index].local.translation;
         joints[index].swing_part(pivot + from, pivot + to, part);
-        target = joints[index].from_parent(target);
+        target = joints[index].in_own(target);
     }
 }
 

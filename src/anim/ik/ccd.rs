@@ -24,11 +24,11 @@ fn sweep(joints: &mut [ChainJoint], goal: &Goal, room: &mut Workspace) {
     let mut end = goal.effector;
     for (joint, place) in joints.iter().zip(&mut room.points).rev() {
         *place = end;
-        end = joint.to_parent(end);
+        end = joint.in_parent(end);
     }
     let mut target = goal.target;
     for (joint, place) in joints.iter_mut().zip(&room.points) {
-        joint.swing_part(joint.to_parent(*place), target, joint.give);
-        target = joint.from_parent(target);
+        joint.swing_part(joint.in_parent(*place), target, joint.give);
+        target = joint.in_own(target);
     }
 }

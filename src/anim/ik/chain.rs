@@ -97,13 +97,13 @@ impl Workspace {
 impl ChainJoint {
     /// A point of the joint's own space, in its parent's.
     #[must_use]
-    pub fn to_parent(&self, point: Vec3) -> Vec3 {
+    pub fn in_parent(&self, point: Vec3) -> Vec3 {
         self.local.translation + self.local.rotation * (self.local.scale * point)
     }
 
     /// A point of its parent's space, in the joint's own. Not finite where a scale is zero.
     #[must_use]
-    pub fn from_parent(&self, point: Vec3) -> Vec3 {
+    pub fn in_own(&self, point: Vec3) -> Vec3 {
         self.local.rotation.inverse() * (point - self.local.translation) / self.local.scale
     }
 
@@ -169,13 +169,13 @@ impl ChainJoint {
 /// A point of the last joint's space, in chain space.
 #[must_use]
 pub fn end(joints: &[ChainJoint], effector: Vec3) -> Vec3 {
-    joints.iter().rev().fold(effector, |point, joint| joint.to_parent(point))
+    joints.iter().rev().fold(effector, |point, joint| joint.in_parent(point))
 }
 
 /// A point of chain space, in the space of the joint that `joints` lead to.
 #[must_use]
 pub fn descend(joints: &[ChainJoint], point: Vec3) -> Vec3 {
-    joints.iter().fold(point, |point, joint| joint.from_parent(point))
+    joints.iter().fold(point, |point, joint| joint.in_own(point))
 }
 
 /// Where joints and end are, in chain space; one place more than there are joints.
@@ -202,8 +202,8 @@ pub fn straighten(joints: &mut [ChainJoint], goal: &Goal) {
     for index in 0..joints.len() {
         let bone = joints.get(index + 1).map_or(goal.effector, |next| next.local.translation);
         let joint = &mut joints[index];
-        joint.swing(joint.to_parent(bone), target);
-        target = joint.from_parent(target);
+        joint.swing(joint.in_parent(bone), target);
+        target = joint.in_own(target);
     }
 }
 

@@ -64,6 +64,6 @@ fn forward(joints: &mut [ChainJoint], effector: Vec3, points: &[Vec3]) {
         let (above, rest) = joints.split_at_mut(index);
         let place = descend(above, points[index + 1]);
         let bone = rest.get(1).map_or(effector, |next| next.local.translation);
-        rest[0].swing(rest[0].to_parent(bone), place);
+        rest[0].swing(rest[0].in_parent(bone), place);
     }
 }

@@ -31,7 +31,7 @@ pub(super) fn step(joints: &mut [ChainJoint], goal: &Goal, room: &mut Workspace,
     }
     let mut end = goal.effector;
     for (joint, arm) in joints.iter().zip(&mut room.points).rev() {
-        end = joint.to_parent(end);
+        end = joint.in_parent(end);
         *arm = end - joint.local.translation;
     }
     let error = goal.target - end;
