@@ -51,10 +51,10 @@ impl Limit {
                 let twisted = twist_about(turn, axis);
                 let swung = to_scaled_axis(turn * twisted.inverse());
                 let angle = twist_angle(twisted, axis);
-                let kept = clamp_angle(angle, twist[0], twist[1]);
-                if swung.length() <= swing && (kept - angle).abs() <= 0.0 {
+                if swung.length() <= swing && (twist[0]..=twist[1]).contains(&angle) {
                     return turn;
                 }
+                let kept = clamp_angle(angle, twist[0], twist[1]);
                 let swung = swung.clamp_length_max(swing.max(0.0));
                 (from_scaled_axis(swung) * from_scaled_axis(axis * kept)).normalize()
             }
