@@ -4,8 +4,8 @@ use bevy::{app::PluginGroupBuilder, prelude::*};
 
 use crate::{
     character::{
-        animator::AnimatorPlugin, bind::BindPlugin, foot_ik::FootIkPlugin, locomotion::LocomotionPlugin,
-        look::LookPlugin, motion::MotionPlugin, schedule::SchedulePlugin,
+        animator::AnimatorPlugin, attach::AttachPlugin, bind::BindPlugin, chains::ChainsPlugin, foot_ik::FootIkPlugin,
+        locomotion::LocomotionPlugin, look::LookPlugin, motion::MotionPlugin, schedule::SchedulePlugin,
     },
     rig::loader::RigPlugin,
 };
@@ -26,7 +26,9 @@ impl PluginGroup for SurefootPlugins {
             .add(LocomotionPlugin)
             .add(AnimatorPlugin)
             .add(FootIkPlugin)
-            .add(LookPlugin);
+            .add(LookPlugin)
+            .add(ChainsPlugin)
+            .add(AttachPlugin);
         #[cfg(feature = "render")]
         let group = group.add(crate::skinning::SkinningPlugin::default());
         group

@@ -1,7 +1,9 @@
 //! Layer 3: the ECS, one module per stage in the order the data flows; `schedule` is the spine.
 
 pub mod animator;
+pub mod attach;
 pub mod bind;
+pub mod chains;
 pub mod foot_ik;
 pub mod intent;
 pub mod legs;

@@ -22,6 +22,8 @@ pub enum PoseSystems {
     Plant,
     /// Where it goes → chest, neck and head of the local pose.
     Look,
+    /// Targets → joints of IK chains.
+    Reach,
     /// Model pose, and what rides on it.
     Attach,
     /// Model pose → skinning matrices.
@@ -40,6 +42,7 @@ impl Plugin for SchedulePlugin {
                 PoseSystems::Sample,
                 PoseSystems::Plant,
                 PoseSystems::Look,
+                PoseSystems::Reach,
                 PoseSystems::Attach,
                 PoseSystems::Palette,
             )

@@ -7,7 +7,7 @@ use bevy_enhanced_input::prelude::Start;
 use super::{level::Hero, shell::ToggleFeet};
 use crate::{
     character::motion::MotionState,
-    debug::{FootDebugPlugin, FootGizmos},
+    debug::{ChainDebugPlugin, ChainGizmos, FootDebugPlugin, FootGizmos},
 };
 
 /// Whether the view is shown.
@@ -15,7 +15,7 @@ use crate::{
 pub(super) struct DebugView(pub(super) bool);
 
 pub(super) fn plugin(app: &mut App) {
-    app.add_plugins(FootDebugPlugin)
+    app.add_plugins((FootDebugPlugin, ChainDebugPlugin))
         .init_resource::<DebugView>()
         .add_observer(toggle)
         .add_systems(Update, draw_ground.run_if(resource_equals(DebugView(true))));
@@ -24,6 +24,7 @@ pub(super) fn plugin(app: &mut App) {
 fn toggle(_: On<Start<ToggleFeet>>, mut view: ResMut<DebugView>, mut gizmos: ResMut<GizmoConfigStore>) {
     view.0 = !view.0;
     gizmos.config_mut::<FootGizmos>().0.enabled = view.0;
+    gizmos.config_mut::<ChainGizmos>().0.enabled = view.0;
 }
 
 /// The ground under the root with its normal, and the velocity.

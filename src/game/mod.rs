@@ -13,6 +13,7 @@ pub mod preflight;
 mod shell;
 mod taps;
 mod telemetry;
+pub mod touch;
 
 use std::{
     panic::{self, AssertUnwindSafe},
@@ -104,6 +105,7 @@ fn windowed(options: &Options, assets: &Path) -> App {
         hud::plugin,
         debug::plugin,
         telemetry::plugin,
+        touch::plugin,
     ));
     open_telemetry(&mut app, options);
     app

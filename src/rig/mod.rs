@@ -5,6 +5,7 @@ pub mod character_file;
 pub mod frame;
 pub mod gltf;
 pub mod humanoid;
+pub mod joint_ref;
 mod legs;
 pub mod loader;
 mod names;

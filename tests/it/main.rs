@@ -5,6 +5,7 @@
 
 #[cfg(feature = "game")]
 mod camera;
+mod chains;
 mod character_file;
 mod character_states;
 mod clips;
