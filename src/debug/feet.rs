@@ -2,7 +2,7 @@
 //!
 //! Reads [`FootIk`], the pose and the ground; draws lines in world space, metres, over everything else.
 
-use avian3d::prelude::{Sensor, SpatialQuery};
+use avian3d::prelude::SpatialQuery;
 use bevy::prelude::*;
 
 use super::words::{describe, reason};

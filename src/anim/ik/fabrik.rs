@@ -36,7 +36,7 @@ fn rest_directions(joints: &[ChainJoint], effector: Vec3, axes: &mut [Vec3]) {
     }
 }
 
-/// From the end to the root: p_i on the line from p_i+1 to where it was, one bone away (Algorithm 1, first stage).
+/// From the end to the root: each point on the line from the one after it to where it was, one bone away (Algorithm 1, first stage).
 fn backward(joints: &[ChainJoint], goal: &Goal, room: &mut Workspace) {
     let (points, old) = (&mut room.points, &room.old_points);
     points[joints.len()] = goal.target;

@@ -1,6 +1,6 @@
 //! What every solver of chains has to hold, whatever carries the chain.
 
-use bevy::math::{Affine3A, Quat, Vec3};
+use bevy::math::{Affine3A, Quat, Vec3, ops};
 use proptest::{prelude::*, test_runner::RngSeed};
 
 use super::{
@@ -185,7 +185,8 @@ fn a_target_that_moves_little_moves_the_pose_little() {
         let mut worst = 0.0f32;
         for step in 0..400u16 {
             let angle = f32::from(step) * 0.0157;
-            let target = Vec3::new(0.42 + 0.1 * angle.cos(), 0.12 * angle.sin(), -0.25 + 0.05 * (2.0 * angle).sin());
+            let target =
+                Vec3::new(0.42 + 0.1 * ops::cos(angle), 0.12 * ops::sin(angle), -0.25 + 0.05 * ops::sin(2.0 * angle));
             let goal = Goal { target, effector: Vec3::X * 0.1, tolerance: 1e-4, iterations: 60, retries: 8 };
             let mut joints = arm();
             joints[1].limit = elbow;
