@@ -3,7 +3,10 @@
 use bevy::math::{Affine3A, ops};
 
 use super::*;
-use crate::math::rotation::angle_between;
+use crate::{
+    anim::{curve::Curve, skeleton::JointIndex},
+    math::rotation::angle_between,
+};
 
 /// Shoulder, elbow and wrist, each a metre above the other.
 fn arm() -> Skeleton {
