@@ -5,6 +5,7 @@
 use bevy::math::{Quat, Vec3};
 
 use super::{
+    curve::Curve,
     keys::{JointCurves, MorphCurves},
     skeleton::{JointIndex, JointTransform, Skeleton},
 };
@@ -80,7 +81,7 @@ impl Frames {
         let morphs = self.keyed_morphs.iter().flat_map(|morph| &morph.weights);
         self.bytes()
             + self.keyed.iter().map(JointCurves::bytes).sum::<usize>()
-            + morphs.map(|weights| weights.bytes()).sum::<usize>()
+            + morphs.map(Curve::bytes).sum::<usize>()
     }
 
     pub(super) fn width(&self) -> usize {

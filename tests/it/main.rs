@@ -16,6 +16,8 @@ mod locomotion;
 mod mannequin;
 mod motion;
 #[cfg(feature = "render")]
+mod peer;
+#[cfg(feature = "render")]
 mod pictures;
 mod quality;
 #[cfg(feature = "render")]
@@ -31,5 +33,7 @@ mod tube;
 
 #[cfg(feature = "game")]
 mod cli;
+#[cfg(feature = "game")]
+mod view;
 #[cfg(all(feature = "game", target_os = "linux"))]
 mod window;

@@ -2,6 +2,8 @@
 //!
 //! Steps jump between frames; a turn of half a circle from frame to frame bends when its components are blended.
 
+use bevy::math::Vec3A;
+
 use super::{ClipCurves, JointCurves, LEVER, size};
 use crate::{
     anim::{
@@ -130,7 +132,7 @@ impl Reach {
         }
         let unit = |joint: JointIndex| {
             let above = skeleton.parent(joint).map_or(skeleton.model_from_root, |parent| rest.model(parent));
-            [above.x_axis, above.y_axis, above.z_axis].into_iter().map(|axis| axis.length()).fold(0.0, f32::max)
+            [above.x_axis, above.y_axis, above.z_axis].into_iter().map(Vec3A::length).fold(0.0, f32::max)
         };
         Self { below, unit: skeleton.joints().map(unit).collect() }
     }
