@@ -44,7 +44,7 @@ const UNSEEN: usize = usize::MAX;
 const WARM_UP: usize = 3;
 /// Upright angle of view, radians, and spare room around the model.
 const FOV: f32 = 0.5;
-const ROOM: f32 = 1.15;
+const ROOM: f32 = 1.02;
 /// From where the camera looks.
 const AHEAD: Vec3 = Vec3::new(0.45, 0.18, -0.9);
 const ASIDE: Vec3 = Vec3::new(-1.0, 0.1, 0.0);
@@ -210,17 +210,12 @@ fn stage(app: &mut App, shot: &Shot, rig: &Rig) {
     }
 }
 
-/// Lowest and highest corner of the joints and what hangs on them.
+/// Lowest and highest corner of what the joints move, and of the joints themselves.
 fn extent(rig: &Rig, pose: &Pose) -> (Vec3, Vec3) {
     let joints = pose.models().iter().map(|joint| Vec3::from(joint.translation));
-    let boxes = pose.models().iter().zip(&rig.joint_bounds).filter_map(|(joint, bounds)| Some((joint, (*bounds)?)));
-    let corners = boxes.flat_map(|(joint, Aabb3d { min, max })| {
-        let (middle, half) = (0.5 * (min + max), 0.5 * (max - min));
-        let middle = joint.transform_point3a(middle);
-        let reach = joint.matrix3.abs() * half;
-        [Vec3::from(middle - reach), Vec3::from(middle + reach)]
-    });
-    let any = corners.chain(joints).filter(|at| at.is_finite());
+    let moved = pose.models().iter().zip(&rig.dominated);
+    let vertices = moved.flat_map(|(joint, vertices)| vertices.iter().map(|vertex| joint.transform_point3(*vertex)));
+    let any = vertices.chain(joints).filter(|at| at.is_finite());
     let (low, high) = any.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
     if low.is_finite() { (low, high) } else { (Vec3::NEG_ONE, Vec3::ONE) }
 }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use gltf::{
     Accessor, Document, Semantic,
     accessor::DataType,
-    animation::{Channel, Interpolation},
+    animation::{Channel, Interpolation, Property},
 };
 
 /// No scene holds the node: the engine spawns scenes only.
@@ -17,6 +17,8 @@ const SPARSE_TIMES: &str = "its key times are sparse";
 /// The engine takes the in-tangent for the value.
 const LONE_SPLINE_KEY: &str = "its spline has one key";
 
+/// The engine takes them as they are, and a quaternion that is not one long scales and shears what it turns.
+const NOT_UNIT: &str = "its rotations are integers, whose rounding the engine leaves in";
 /// The engine's loader panics over them.
 const QUANTISED: &str = "positions are quantised, which the engine's loader cannot read";
 
@@ -91,6 +93,10 @@ fn oddity(channel: &Channel) -> Option<&'static str> {
     let sampler = channel.sampler();
     if sampler.input().sparse().is_some() {
         return Some(SPARSE_TIMES);
+    }
+    let integers = sampler.output().data_type() != DataType::F32;
+    if channel.target().property() == Property::Rotation && integers {
+        return Some(NOT_UNIT);
     }
     let spline = sampler.interpolation() == Interpolation::CubicSpline;
     (spline && sampler.input().count() == 1).then_some(LONE_SPLINE_KEY)

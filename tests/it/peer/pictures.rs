@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use surefoot::{
     anim::pose::Pose,
     rig::{Rig, loader::RigPlugin},
-    skinning::{SkinPose, SkinnedModel, SkinningPlugin, model::ModelStatus},
+    skinning::{Morphs, SkinPose, SkinnedModel, SkinningPlugin, model::ModelStatus},
     testing::peer::load_rig,
 };
 
@@ -43,6 +43,16 @@ fn seen(name: &str, path: &Path) -> Seen {
     let model = SkinnedModel { gltf: server.load(file.clone()), rig: server.load(file.clone()) };
     let ours = studio.world().spawn((model, SkinPose(posed(&rig, time)))).id();
     until(&mut studio, name, |world| world.get::<ModelStatus>(ours).is_some_and(ModelStatus::is_ready));
+    if let (Some(clip), Some(mut morphs)) = (rig.clips.first(), studio.world().get_mut::<Morphs>(ours)) {
+        let names = morphs.names().to_vec();
+        for mesh in rig.meshes.iter().filter(|mesh| mesh.morph_weights.len() == names.len()) {
+            let mut weights = mesh.morph_weights.clone();
+            clip.morph_weights(mesh.joint, time, &mut weights);
+            for (name, weight) in names.iter().zip(weights) {
+                assert!(morphs.set(name, weight), "{name} is one of its own");
+            }
+        }
+    }
     let own = studio.picture();
     own.save(&format!("peer_{name}_ours"));
     studio.world().despawn(ours);
