@@ -3,11 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use bevy::{
-    light::CascadeShadowConfigBuilder,
-    math::{bounding::Aabb3d, ops},
-    prelude::*,
-};
+use bevy::{light::CascadeShadowConfigBuilder, math::ops, prelude::*};
 
 use super::{
     FilmError, PATIENCE, frames, load,
@@ -63,6 +59,12 @@ impl Shot {
     fn new(caption: &str, show: Show, time: f32) -> Self {
         let playback = Playback { show, time, morph: None };
         Self { caption: caption.to_owned(), playback, from: AHEAD, skeleton: false, weights: false }
+    }
+
+    /// Middle and radius of the model in it, metres.
+    fn ball(&self, rig: &Rig) -> (Vec3, f32) {
+        let (low, high) = extent(rig, &posed(rig, self.playback.show, self.playback.time));
+        (0.5 * (low + high), 0.5 * (high - low).length())
     }
 }
 
@@ -150,6 +152,8 @@ fn shots(rig: &Rig) -> Vec<Shot> {
             shots.push(Shot::new(&format!("{} {time:.2} s", clip.name), Show::Clip(index), time));
         }
     }
+    // Without meshes there is nothing else to see.
+    shots.iter_mut().for_each(|shot| shot.skeleton |= rig.meshes.is_empty());
     shots
 }
 
@@ -183,8 +187,12 @@ fn film_figure(
         ground.translation.y = floor;
     }
     load(&mut app)?;
-    for shot in shots {
-        stage(&mut app, shot, &rig);
+    let balls: Vec<(Vec3, f32)> = shots.iter().map(|shot| shot.ball(&rig)).collect();
+    for (shot, (middle, _)) in shots.iter().zip(&balls) {
+        // One distance for all pictures of a clip, so that they can be compared.
+        let alike = shots.iter().zip(&balls).filter(|(other, _)| other.playback.show == shot.playback.show);
+        let radius = alike.map(|(_, (_, radius))| *radius).fold(0.05, f32::max);
+        stage(&mut app, shot, *middle, ROOM * radius / ops::sin(0.5 * FOV));
         // What a shot turns on or off is new to the engine; a picture without it goes first.
         for _ in 0..WARM_UP {
             expose(&mut app, UNSEEN, 1);
@@ -195,15 +203,12 @@ fn film_figure(
     Ok(())
 }
 
-/// Poses the model and puts the camera before it.
-fn stage(app: &mut App, shot: &Shot, rig: &Rig) {
+/// Poses the model and puts the camera `distance` metres from its `middle`.
+fn stage(app: &mut App, shot: &Shot, middle: Vec3, distance: f32) {
     let world = app.world_mut();
     world.insert_resource(shot.playback);
     world.insert_resource(ShowSkeleton(shot.skeleton));
     world.insert_resource(ShowWeights(shot.weights));
-    let (low, high) = extent(rig, &posed(rig, shot.playback.show, shot.playback.time));
-    let (middle, radius) = (0.5 * (low + high), 0.5 * (high - low).length());
-    let distance = ROOM * radius.max(0.05) / ops::sin(0.5 * FOV);
     let eye = middle + shot.from.normalize() * distance;
     for mut camera in world.query_filtered::<&mut Transform, With<Camera3d>>().iter_mut(world) {
         *camera = Transform::from_translation(eye).looking_at(middle, Vec3::Y);

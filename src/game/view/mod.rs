@@ -97,6 +97,8 @@ fn show(subject: &Subject, options: &Options, films: bool) -> Result<ExitCode, M
     display::check()?;
     let mut app = open(options, subject.app(), &assets)?;
     subject.enter(&mut app, Part::Walker);
+    // Without meshes there is nothing else to see.
+    app.insert_resource(skeleton::ShowSkeleton(subject.rig.meshes.is_empty()));
     app.add_plugins((playback::plugin, skeleton::plugin, weights::plugin, keys::plugin));
     Ok(outcome(app.run()))
 }
