@@ -4,7 +4,11 @@
 
 use bevy::math::{Quat, Vec3};
 
-use super::skeleton::{JointIndex, JointTransform, Skeleton};
+use super::{
+    curve::Curve,
+    keys::{JointCurves, MorphCurves},
+    skeleton::{JointIndex, JointTransform, Skeleton},
+};
 
 /// What baking did to a clip.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,9 +67,23 @@ pub(super) struct Frames {
     pub(super) still_rotations: Vec<(JointIndex, Quat)>,
     pub(super) still_translations: Vec<(JointIndex, Vec3)>,
     pub(super) still_scales: Vec<(JointIndex, Vec3)>,
+    /// Channels that the rows hold only roughly: evaluated in their place.
+    pub(super) keyed: Vec<JointCurves>,
+    /// Morph weights that the rows hold only roughly.
+    pub(super) keyed_morphs: Vec<MorphCurves>,
+    /// Seconds of the keys that lie before the first row.
+    pub(super) keyed_from: f32,
 }
 
 impl Frames {
+    /// Bytes of rows, constants and keys.
+    pub(super) fn all_bytes(&self) -> usize {
+        let morphs = self.keyed_morphs.iter().flat_map(|morph| &morph.weights);
+        self.bytes()
+            + self.keyed.iter().map(JointCurves::bytes).sum::<usize>()
+            + morphs.map(Curve::bytes).sum::<usize>()
+    }
+
     pub(super) fn width(&self) -> usize {
         self.morph_start() + self.morphs.iter().map(|morph| morph.1).sum::<usize>()
     }
@@ -134,15 +152,22 @@ impl Clip {
     ///
     /// `skeleton` is the one the clip was baked for and `out` has one entry a joint.
     pub fn sample(&self, skeleton: &Skeleton, time: f32, out: &mut [JointTransform]) {
-        self.sample_span(skeleton, self.span(time), out);
+        self.sample_at(skeleton, self.wrap(time), out);
     }
 
     /// As [`Clip::sample`], but the clip's duration is its last pose, not its first again.
     pub(super) fn sample_held(&self, skeleton: &Skeleton, time: f32, out: &mut [JointTransform]) {
-        self.sample_span(skeleton, self.held_span(time), out);
+        self.sample_at(skeleton, time, out);
     }
 
-    fn sample_span(&self, skeleton: &Skeleton, span: FrameSpan, out: &mut [JointTransform]) {
+    fn sample_at(&self, skeleton: &Skeleton, time: f32, out: &mut [JointTransform]) {
+        self.sample_rows(skeleton, self.held_span(time), out);
+        for curves in &self.frames.keyed {
+            curves.sample(time + self.frames.keyed_from, &mut out[curves.joint.index()]);
+        }
+    }
+
+    fn sample_rows(&self, skeleton: &Skeleton, span: FrameSpan, out: &mut [JointTransform]) {
         debug_assert_eq!(out.len(), skeleton.len(), "one transform a joint");
         out.copy_from_slice(skeleton.rest());
         let frames = &self.frames;
@@ -185,7 +210,8 @@ impl Clip {
         clip.frames.count -= cut as usize;
         clip.duration = (clip.frames.count - 1) as f32 / self.frames.rate;
         clip.lead = ((frames - cut) / self.frames.rate).max(0.0);
-        clip.report.bytes = clip.frames.bytes();
+        clip.frames.keyed_from += cut / self.frames.rate;
+        clip.report.bytes = clip.frames.all_bytes();
         clip
     }
 
@@ -193,11 +219,25 @@ impl Clip {
     ///
     /// Gives false and leaves `out` alone when the clip has none for that node; a shorter `out` takes the first weights.
     pub fn morph_weights(&self, node: JointIndex, time: f32, out: &mut [f32]) -> bool {
+        let time = self.wrap(time);
+        match self.frames.keyed_morphs.iter().find(|morph| morph.node == node) {
+            Some(morph) => {
+                for (weight, curve) in out.iter_mut().zip(&morph.weights) {
+                    *weight = curve.sample(time + self.frames.keyed_from);
+                }
+                true
+            }
+            None => self.held_morph_weights(node, time, out),
+        }
+    }
+
+    /// As [`Clip::morph_weights`], from the rows alone and held at the ends.
+    pub(super) fn held_morph_weights(&self, node: JointIndex, time: f32, out: &mut [f32]) -> bool {
         let frames = &self.frames;
         let mut start = frames.morph_start();
         for &(joint, count) in &frames.morphs {
             if joint == node && frames.count > 0 {
-                let span = self.span(time);
+                let span = self.held_span(time);
                 let (a, b) = (&frames.row(span.first)[start..], &frames.row(span.second)[start..]);
                 for ((weight, from), to) in out.iter_mut().zip(&a[..count]).zip(&b[..count]) {
                     *weight = from + (to - from) * span.blend;

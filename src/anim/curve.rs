@@ -155,6 +155,21 @@ impl<T: CurveValue> Curve<T> {
         self.interpolation
     }
 
+    /// Whether it stands on one value and jumps to another.
+    #[must_use]
+    pub fn jumps(&self) -> bool
+    where
+        T: PartialEq,
+    {
+        self.interpolation == Interpolation::Step && self.values.windows(2).any(|pair| pair[0] != pair[1])
+    }
+
+    /// Bytes of all keys.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.times.as_slice()) + size_of_val(self.values.as_slice())
+    }
+
     /// Time of the last key in seconds.
     #[must_use]
     pub fn end(&self) -> f32 {

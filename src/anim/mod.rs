@@ -7,6 +7,7 @@ pub mod curve;
 pub mod gait;
 pub mod ik;
 pub mod inertialize;
+pub mod keys;
 pub mod leg;
 pub mod pose;
 pub mod retarget;

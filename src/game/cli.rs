@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use bevy::math::UVec2;
 use clap::{Args, Parser, Subcommand};
 
-use super::gauntlet::GauntletOptions;
+use super::{gauntlet::GauntletOptions, view::ViewOptions};
 
 /// What the command line asks for.
 #[derive(Parser, Clone, Debug)]
@@ -19,7 +19,8 @@ use super::gauntlet::GauntletOptions;
         one contact sheet, and a table of measures.",
     after_help = "In the window: WASD or left stick walks, Shift or right trigger runs, Ctrl or a press of the left stick sprints, Space jumps, C crouches, mouse or right stick \
         looks around, wheel zooms, right mouse button or left trigger aims, F1 hides the help, F3 shows how the feet are placed.\n\
-        Exit codes: 0 all well, 1 the film or the gauntlet's files could not be written, or `--strict` found a bar broken, 2 wrong arguments, 3 the machine lacks a graphics driver, a display or the assets."
+        With `view`, besides: N and B go through the clips, V walks, K shows the skeleton, G the weights, M each morph target.\n\
+        Exit codes: 0 all well, 1 the film or the gauntlet's files could not be written, `--strict` found a bar broken or `--against-bevy` a joint off, 2 wrong arguments, 3 the machine lacks a graphics driver, a display or the assets."
 )]
 pub struct Cli {
     /// What to do; nothing plays the game.
@@ -37,6 +38,8 @@ pub enum Command {
     Film,
     /// Sends a character over many grounds and prints how well it walked, with and without foot IK; figures over their bar are marked.
     Gauntlet(GauntletOptions),
+    /// Shows any glTF model: what was found in it, each of its clips, and how it walks over the course.
+    View(ViewOptions),
 }
 
 /// All flags.

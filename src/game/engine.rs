@@ -30,6 +30,11 @@ pub struct WindowShape {
 
 /// An app with a window.
 pub fn windowed(assets: &Path, shape: WindowShape) -> App {
+    windowed_from(App::new(), assets, shape)
+}
+
+/// As [`windowed`], from an app that has asset sources of its own already.
+pub fn windowed_from(mut app: App, assets: &Path, shape: WindowShape) -> App {
     let mode = if shape.fullscreen {
         WindowMode::BorderlessFullscreen(MonitorSelection::Current)
     } else {
@@ -42,7 +47,6 @@ pub fn windowed(assets: &Path, shape: WindowShape) -> App {
         mode,
         ..default()
     };
-    let mut app = App::new();
     app.add_plugins(
         DefaultPlugins
             .set(assets_from(assets))
@@ -56,7 +60,11 @@ pub fn windowed(assets: &Path, shape: WindowShape) -> App {
 
 /// An app that needs no display, whose `update` finishes the picture it draws.
 pub fn headless(assets: &Path) -> App {
-    let mut app = App::new();
+    headless_from(App::new(), assets)
+}
+
+/// As [`headless`], from an app that has asset sources of its own already.
+pub fn headless_from(mut app: App, assets: &Path) -> App {
     app.add_plugins(
         DefaultPlugins
             .set(assets_from(assets))

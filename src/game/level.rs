@@ -6,7 +6,8 @@ use bevy::{asset::LoadState, prelude::*};
 use crate::{
     SurefootPlugins,
     character::{Character, schedule::MotionSystems},
-    skinning::model::ModelStatus,
+    rig::character::CharacterAsset,
+    skinning::{SkinnedModel, model::ModelStatus},
     terrain::{Heightfield, SkyPlugin, TerrainLookPlugin, TerrainPlugin, course},
 };
 
@@ -22,6 +23,18 @@ pub(super) struct Seed(pub(super) i32);
 /// The character that the game is about.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(super) struct Hero;
+
+/// Who the hero is. Put in place of the mannequin before the app begins.
+#[derive(Resource, Clone, Default)]
+pub(super) enum Cast {
+    /// The mannequin.
+    #[default]
+    Mannequin,
+    /// Another character.
+    Character(Handle<CharacterAsset>),
+    /// A model that is drawn and cannot walk.
+    Model(SkinnedModel),
+}
 
 /// Whether all that the level needs is there.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
@@ -45,34 +58,43 @@ struct Home {
 pub(super) fn plugin(app: &mut App) {
     let seed = app.world().resource::<Seed>().0;
     app.init_resource::<Loading>()
+        .init_resource::<Cast>()
         .add_plugins((PhysicsPlugins::default(), SurefootPlugins, TerrainPlugin { seed }, TerrainLookPlugin, SkyPlugin))
         .add_systems(Startup, spawn_hero)
         .add_systems(Update, watch_loading.run_if(resource_equals(Loading::Waiting)))
         .add_systems(FixedUpdate, bring_home.before(MotionSystems::Move));
 }
 
-fn spawn_hero(mut commands: Commands, field: Res<Heightfield>, assets: Res<AssetServer>) {
+fn spawn_hero(mut commands: Commands, field: Res<Heightfield>, assets: Res<AssetServer>, cast: Res<Cast>) {
     let points = course::waypoints(&field);
     let start = points.first().copied().unwrap_or_else(|| field.point(0.0, 0.0));
     let ahead = points.get(1).map_or(Vec3::NEG_Z, |next| (*next - start).with_y(0.0));
     let start = Transform::from_translation(start).looking_to(ahead, Vec3::Y);
     let lowest = field.heights().iter().copied().fold(f32::INFINITY, f32::min);
     commands.insert_resource(Home { start, floor: lowest - FALL });
-    commands.spawn((Name::new("hero"), Hero, Character(assets.load(HERO)), start));
+    let mut hero = commands.spawn((Name::new("hero"), start));
+    match &*cast {
+        Cast::Mannequin => hero.insert(Character(assets.load(HERO))),
+        Cast::Character(character) => hero.insert(Character(character.clone())),
+        Cast::Model(model) => hero.insert(model.clone()),
+    };
+    hero.insert(Hero);
 }
 
 pub(super) fn watch_loading(
     mut loading: ResMut<Loading>,
-    heroes: Query<(&Character, Option<&ModelStatus>), With<Hero>>,
+    heroes: Query<(Option<&Character>, Option<&SkinnedModel>, Option<&ModelStatus>), With<Hero>>,
     assets: Res<AssetServer>,
 ) {
-    let Ok((character, model)) = heroes.single() else { return };
-    if let LoadState::Failed(error) = assets.load_state(&character.0) {
+    let Ok((character, model, status)) = heroes.single() else { return };
+    let character = character.and_then(|character| assets.get_load_state(&character.0));
+    let model = model.and_then(|model| assets.get_load_state(&model.gltf));
+    if let Some(LoadState::Failed(error)) = [character, model].into_iter().flatten().find(LoadState::is_failed) {
         // The first line says it all; a backtrace may follow.
         let reason = error.to_string().lines().next().unwrap_or_default().to_owned();
-        error!("{HERO}: {reason}");
+        error!("{reason}");
         *loading = Loading::Failed(reason);
-    } else if model.is_some_and(ModelStatus::is_ready) {
+    } else if status.is_some_and(ModelStatus::is_ready) {
         *loading = Loading::Done;
     }
 }

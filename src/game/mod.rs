@@ -14,6 +14,7 @@ mod shell;
 mod taps;
 mod telemetry;
 pub mod touch;
+pub mod view;
 
 use std::{
     panic::{self, AssertUnwindSafe},
@@ -41,6 +42,9 @@ pub fn run() -> ExitCode {
     if let Some(Command::Gauntlet(options)) = &cli.command {
         return run_gauntlet(options);
     }
+    if let Some(Command::View(view)) = &cli.command {
+        return view::run(view, &cli.options);
+    }
     let films = cli.command == Some(Command::Film);
     if !films && !display::exists() {
         eprintln!("No display (neither DISPLAY nor WAYLAND_DISPLAY is set): filming a walk instead.");
@@ -67,11 +71,19 @@ fn start(options: &Options, films: bool) -> Result<ExitCode, Missing> {
         });
     }
     display::check()?;
-    let mut app = opened(|| windowed(options, &assets))?;
-    Ok(match app.run() {
+    Ok(outcome(open(options, App::new(), &assets)?.run()))
+}
+
+/// The game in a window, made from `app`.
+fn open(options: &Options, app: App, assets: &Path) -> Result<App, Missing> {
+    opened(|| windowed(options, app, assets))
+}
+
+fn outcome(exit: AppExit) -> ExitCode {
+    match exit {
         AppExit::Success => ExitCode::SUCCESS,
         AppExit::Error(code) => ExitCode::from(code.get()),
-    })
+    }
 }
 
 fn run_gauntlet(options: &gauntlet::GauntletOptions) -> ExitCode {
@@ -93,9 +105,9 @@ fn run_gauntlet(options: &gauntlet::GauntletOptions) -> ExitCode {
 }
 
 /// The game in a window.
-fn windowed(options: &Options, assets: &Path) -> App {
+fn windowed(options: &Options, app: App, assets: &Path) -> App {
     let shape = engine::WindowShape { size: options.size.unwrap_or(WINDOW_SIZE), fullscreen: options.fullscreen };
-    let mut app = engine::windowed(assets, shape);
+    let mut app = engine::windowed_from(app, assets, shape);
     app.insert_resource(level::Seed(options.seed)).add_plugins((
         level::plugin,
         input::plugin,

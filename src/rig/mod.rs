@@ -28,6 +28,8 @@ use crate::anim::{
 pub struct Rig {
     /// All joints of all skins, every animated node, every node with a mesh and all nodes above them; parents first.
     pub skeleton: Skeleton,
+    /// By glTF node index: the joint that the node became, if it is one.
+    pub node_joints: Vec<Option<JointIndex>>,
     /// The file's skins, by glTF index.
     pub skins: Vec<Skin>,
     /// One per node that carries a mesh.

@@ -120,7 +120,8 @@ impl Converter<'_> {
         });
         if entry.skinned.is_none() {
             let base = match &entry.source {
-                None => StandardMaterial::default(),
+                // What glTF says of a mesh without a material.
+                None => StandardMaterial { metallic: 1.0, perceptual_roughness: 1.0, ..default() },
                 Some(source) if server.load_state(source).is_failed() => StandardMaterial::default(),
                 Some(source) => standard.get(source)?.clone(),
             };

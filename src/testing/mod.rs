@@ -2,10 +2,12 @@
 //!
 //! [`Stage`] is an app without window or GPU, stepped frame by frame; [`World`] is ground to walk on; [`Tape`] is what a
 //! player would press; [`gauntlet`] plays many tapes on many
-//! worlds and holds what it measures to bars.
+//! worlds and holds what it measures to bars. With feature `render`, `peer` holds a file's motion against the engine's own.
 
 pub mod gauntlet;
 mod grounds;
+#[cfg(feature = "render")]
+pub mod peer;
 mod stage;
 mod tape;
 mod world;

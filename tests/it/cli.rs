@@ -56,6 +56,7 @@ fn help_explains_every_flag_and_the_controls() {
         "--telemetry",
         "--fullscreen",
         "--scene",
+        "view",
         "WASD",
         "F3",
     ] {

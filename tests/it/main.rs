@@ -17,6 +17,8 @@ mod locomotion;
 mod mannequin;
 mod motion;
 #[cfg(feature = "render")]
+mod peer;
+#[cfg(feature = "render")]
 mod pictures;
 mod probes;
 mod quality;
@@ -33,5 +35,7 @@ mod tube;
 
 #[cfg(feature = "game")]
 mod cli;
+#[cfg(feature = "game")]
+mod view;
 #[cfg(all(feature = "game", target_os = "linux"))]
 mod window;

@@ -1,7 +1,7 @@
 //! A headless app that draws into a small image and reads it back frame by frame; works on a software driver.
 
 use std::{
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Arc, Mutex, Once},
     time::{Duration, Instant},
 };
@@ -132,15 +132,23 @@ struct Reported {
 /// How long a busy machine may take over a picture.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// The folder of this crate's assets.
+const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
+
 /// The engine without a window, drawing by one of `backends`, or not at all.
 pub(crate) fn headless_plugins(backends: Option<wgpu::Backends>) -> PluginGroupBuilder {
+    plugins_in(Path::new(ASSETS), backends)
+}
+
+/// As [`headless_plugins`], with the assets of another folder.
+fn plugins_in(folder: &Path, backends: Option<wgpu::Backends>) -> PluginGroupBuilder {
     let render_creation = RenderCreation::Automatic(Box::new(WgpuSettings { backends, ..default() }));
     let mut plugins = DefaultPlugins
         .build()
         .disable::<PipelinedRenderingPlugin>()
         .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
         .set(RenderPlugin { synchronous_pipeline_compilation: true, render_creation, ..default() })
-        .set(AssetPlugin { file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(), ..default() });
+        .set(AssetPlugin { file_path: folder.to_string_lossy().into_owned(), ..default() });
     #[cfg(feature = "game")]
     {
         plugins = plugins.disable::<bevy::winit::WinitPlugin>().disable::<GilrsPlugin>();
@@ -170,9 +178,14 @@ impl Studio {
 
     /// A studio with other plugins than those of rigs and skinning; they must bring skinning along.
     pub(crate) fn with<M>(more: impl Plugins<M>) -> Self {
+        Self::in_folder(Path::new(ASSETS), more)
+    }
+
+    /// As [`Studio::with`], with the assets of another folder.
+    pub(crate) fn in_folder<M>(folder: &Path, more: impl Plugins<M>) -> Self {
         adapter();
         let mut app = App::new();
-        app.add_plugins(headless_plugins(WgpuSettings::default().backends)).add_plugins(more);
+        app.add_plugins(plugins_in(folder, WgpuSettings::default().backends)).add_plugins(more);
         app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 60.0)))
             .insert_resource(DirectionalLightShadowMap { size: 512 })
             .init_resource::<Frames>();

@@ -1,26 +1,35 @@
 //! Exact curves → [`Clip`]: uniform frames at the lowest rate that is true enough, constant channels taken out.
 
+mod keyed;
+
 use bevy::math::{Quat, Vec3, Vec3A};
 
+pub use super::keys::{JointCurves, MorphCurves};
 use super::{
     clip::{Clip, ClipReport, Frames},
-    curve::{Curve, Interpolation},
+    curve::Interpolation,
     pose::Pose,
-    skeleton::{JointIndex, JointTransform, Skeleton},
+    skeleton::{JointTransform, Skeleton},
 };
 
-/// Metres a joint may be off the exact curves before a higher frame rate is taken.
+/// Metres a joint may be off the exact curves before a higher frame rate is taken, or its keys are kept.
 const TOLERANCE: f32 = 1e-4;
+/// The same as a share of the skeleton's size, for those smaller than people.
+const TOLERANCE_OF_SIZE: f32 = 5e-5;
 /// Frame rates to try, lowest first, in Hz.
 const RATES: [f32; 2] = [30.0, 60.0];
-/// A file's own key rate is taken up to this, Hz.
+/// A file's own key rate and frames between its keys are taken up to this, Hz.
 const MAX_RATE: f32 = 125.0;
+/// Frames from key to key at most.
+const BETWEEN_KEYS: [f32; 3] = [1.0, 2.0, 4.0];
+/// Times the bound on single channels is halved twice before all of them are keyed.
+const TRIES: usize = 6;
 /// Frames of one clip; above it the rate goes down. An hour at 30 Hz.
 const MAX_FRAMES: f32 = 108_000.0;
 /// First and last pose closer than this fraction of the skeleton's size make a loop.
 const SEAM: f32 = 0.01;
 /// How far out from a joint turns are measured, as a fraction of the skeleton's size.
-const LEVER: f32 = 0.05;
+const LEVER: f32 = 0.1;
 /// Changes below this are rounding: a channel that moves less is constant.
 const STILL: f32 = 1e-6;
 
@@ -39,36 +48,6 @@ pub struct ClipCurves {
     pub morphs: Vec<MorphCurves>,
 }
 
-/// Keys of one joint, in its parent's space.
-#[derive(Clone, Debug, PartialEq)]
-pub struct JointCurves {
-    /// The joint.
-    pub joint: JointIndex,
-    /// Keys of the rotation.
-    pub rotation: Option<Curve<Quat>>,
-    /// Keys of the translation.
-    pub translation: Option<Curve<Vec3>>,
-    /// Keys of the scale.
-    pub scale: Option<Curve<Vec3>>,
-}
-
-impl JointCurves {
-    /// No keys yet.
-    #[must_use]
-    pub fn new(joint: JointIndex) -> Self {
-        Self { joint, rotation: None, translation: None, scale: None }
-    }
-}
-
-/// Keys of the morph weights of one mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MorphCurves {
-    /// The node that carries the mesh, as a joint.
-    pub node: JointIndex,
-    /// One curve a morph target.
-    pub weights: Vec<Curve<f32>>,
-}
-
 impl ClipCurves {
     /// Seconds from 0 to the last key.
     #[must_use]
@@ -80,27 +59,21 @@ impl ClipCurves {
     pub fn sample(&self, skeleton: &Skeleton, time: f32, out: &mut [JointTransform]) {
         out.copy_from_slice(skeleton.rest());
         for curves in &self.joints {
-            let joint = &mut out[curves.joint.index()];
-            if let Some(curve) = &curves.rotation {
-                joint.rotation = curve.sample(time);
-            }
-            if let Some(curve) = &curves.translation {
-                joint.translation = curve.sample(time);
-            }
-            if let Some(curve) = &curves.scale {
-                joint.scale = curve.sample(time);
-            }
+            curves.sample(time, &mut out[curves.joint.index()]);
         }
     }
 
-    /// Resamples to the lowest of 30 Hz, 60 Hz and the file's own rate that keeps every joint within 0.1 mm of the
-    /// exact curves, else to the truest of them. It loops when its last pose is its first.
+    /// Resamples to the lowest of 30 Hz, 60 Hz, the file's own rate and multiples of it that keeps every joint within
+    /// 0.1 mm of the exact curves, else to the truest of them; what is still off then keeps its keys beside the frames,
+    /// as steps always do. It loops when its last pose is its first.
     #[must_use]
     pub fn bake(&self, skeleton: &Skeleton) -> Clip {
+        let tolerance = TOLERANCE.min(TOLERANCE_OF_SIZE * size(skeleton));
+        let own = self.own_rate().into_iter().flat_map(|rate| BETWEEN_KEYS.map(|frames| rate * frames));
         let mut best: Option<Clip> = None;
-        for rate in RATES.into_iter().chain(self.own_rate()) {
+        for rate in RATES.into_iter().chain(own.filter(|rate| *rate <= MAX_RATE)) {
             let clip = self.bake_at(skeleton, rate);
-            let good = clip.report.max_error <= TOLERANCE;
+            let good = clip.report.max_error <= tolerance;
             if best.as_ref().is_none_or(|best| clip.report.max_error < best.report.max_error) {
                 best = Some(clip);
             }
@@ -108,7 +81,17 @@ impl ClipCurves {
                 break;
             }
         }
-        best.unwrap_or_default()
+        let mut clip = best.unwrap_or_default();
+        let mut bound = tolerance;
+        for _ in 0..TRIES {
+            if clip.report.max_error <= tolerance {
+                break;
+            }
+            keyed::key(self, skeleton, &mut clip, bound);
+            clip.report = self.check(skeleton, &clip);
+            bound *= 0.25;
+        }
+        clip
     }
 
     /// Resamples to about `rate` Hz: the nearest rate that puts a frame on both ends.
@@ -169,6 +152,8 @@ impl ClipCurves {
         }
 
         let mut clip = Clip { name: self.name.clone(), duration, speed: 1.0, frames, ..Clip::default() };
+        keyed::key_steps(self, &mut clip);
+        keyed::key_morphs(self, &mut clip);
         clip.report = self.check(skeleton, &clip);
         let closes = duration > 0.0 && clip.report.seam <= SEAM * size(skeleton);
         clip.looping = self.looping.unwrap_or(closes);
@@ -205,7 +190,7 @@ impl ClipCurves {
             .map(|time| distance_at(time, None))
             .fold(0.0, f32::max);
         let seam = distance_at(0.0, Some(clip.duration));
-        ClipReport { bytes: clip.frames.bytes(), max_error, seam }
+        ClipReport { bytes: clip.frames.all_bytes(), max_error, seam }
     }
 
     /// The rate in Hz at which all keys stand, when there is one.
@@ -222,7 +207,7 @@ impl ClipCurves {
             self.key_times()
                 .all(|(times, _)| times.iter().all(|time| (time * rate - (time * rate).round()).abs() < 0.01))
         };
-        (rate.is_finite() && rate <= MAX_RATE && frames >= 1.0 && even()).then_some(rate)
+        (rate.is_finite() && frames >= 1.0 && even()).then_some(rate)
     }
 
     fn key_times(&self) -> impl Iterator<Item = (&[f32], Interpolation)> {

@@ -3,7 +3,10 @@
 use bevy::math::{Affine3A, ops};
 
 use super::*;
-use crate::math::rotation::angle_between;
+use crate::{
+    anim::{curve::Curve, skeleton::JointIndex},
+    math::rotation::angle_between,
+};
 
 /// Shoulder, elbow and wrist, each a metre above the other.
 fn arm() -> Skeleton {
@@ -159,5 +162,57 @@ fn clips_of_a_twin_with_other_axes_look_the_same() {
         other.update_model(&twin);
         let (want, got) = (2.0 * own.position(JointIndex(2)), other.position(JointIndex(2)));
         assert!(got.distance(want) < 1e-3, "wrist at {got}, not {want}, at {time} s");
+    }
+}
+
+#[test]
+fn a_step_between_frames_jumps_when_its_key_says() {
+    let clip = turning(vec![0.0, 0.517, 1.0], &[0.0, 1.2, 0.0], Interpolation::Step).bake(&arm());
+    for (time, angle) in [(0.516, 0.0), (0.518, 1.2), (0.999, 1.2)] {
+        let error = angle_between(sampled(&clip, time)[0].rotation, Quat::from_rotation_z(angle));
+        assert!(error < 1e-5, "off by {error} rad at {time} s");
+    }
+    assert!(clip.report.max_error < 1e-6, "error {} m", clip.report.max_error);
+}
+
+#[test]
+fn a_fast_turn_at_odd_times_stays_on_its_arc() {
+    let times = vec![0.0, 0.0137, 0.0291, 0.0533, 1.0];
+    let curves = turning(times, &[0.0, 2.6, -0.3, 2.7, 0.0], Interpolation::Linear);
+    let clip = curves.bake(&arm());
+    assert!(clip.report.max_error < 1e-4, "error {} m", clip.report.max_error);
+    let mut exact = vec![JointTransform::IDENTITY; 3];
+    for step in 0..200 {
+        let time = step as f32 / 200.0;
+        curves.sample(&arm(), time, &mut exact);
+        let error = angle_between(exact[0].rotation, sampled(&clip, time)[0].rotation);
+        assert!(error < 1e-4, "off by {error} rad at {time} s");
+    }
+}
+
+#[test]
+fn a_clip_that_lost_its_wait_keeps_its_steps_in_time() {
+    let mut curves = turning(vec![0.1, 0.617, 1.1], &[0.2, 1.2, 0.2], Interpolation::Step);
+    curves.looping = Some(true);
+    let clip = curves.bake(&arm());
+    let cut = clip.without_lead();
+    assert!(cut.duration < clip.duration, "nothing was cut: {} s", cut.duration);
+    let jump = 0.617 - (clip.duration - cut.duration);
+    for (time, angle) in [(jump - 0.002, 0.2), (jump + 0.002, 1.2)] {
+        let error = angle_between(sampled(&cut, time)[0].rotation, Quat::from_rotation_z(angle));
+        assert!(error < 1e-5, "off by {error} rad at {time} s");
+    }
+}
+
+#[test]
+fn morph_weights_between_frames_are_those_of_the_keys() {
+    let mut curves = ClipCurves::default();
+    let weights = Curve::new(vec![0.0, 0.011, 0.024, 1.0], vec![0.0, 1.0, 0.2, 0.0], Interpolation::Linear).unwrap();
+    curves.morphs.push(MorphCurves { node: JointIndex(1), weights: vec![weights.clone()] });
+    let clip = curves.bake(&arm());
+    for step in 0..100 {
+        let (time, mut got) = (step as f32 / 100.0, [9.0]);
+        assert!(clip.morph_weights(JointIndex(1), time, &mut got), "the clip has weights for the node");
+        assert!((got[0] - weights.sample(time)).abs() < 1e-5, "{} at {time} s", got[0]);
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! The walk is stepped 60 times a second whatever the film's frame rate, so every film of one seed shows the same walk.
 
+pub(super) mod figure;
 pub mod frames;
 pub mod lettering;
 mod operator;

@@ -46,7 +46,7 @@ impl Container {
     }
 
     /// All buffers; `resolve` gives the bytes behind a relative, percent-decoded path.
-    pub(super) fn buffers(
+    pub(crate) fn buffers(
         &mut self,
         resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>, String>,
     ) -> Result<Vec<Vec<u8>>, RigError> {

@@ -49,6 +49,15 @@ impl Rig {
             notes.extend(note);
         }
         let clips = curves.iter().map(|curves| Arc::new(curves.bake(&skeleton))).collect();
-        Ok(Self { skeleton, skins, meshes, clips, joint_bounds: vertices.bounds, dominated: vertices.dominated, notes })
+        Ok(Self {
+            skeleton,
+            node_joints: nodes.joints,
+            skins,
+            meshes,
+            clips,
+            joint_bounds: vertices.bounds,
+            dominated: vertices.dominated,
+            notes,
+        })
     }
 }

@@ -1,0 +1,137 @@
+//! What the model does: walk by itself, rest, or play a clip on the spot.
+//!
+//! Reads [`Playback`] and the model's clips; writes [`SkinPose`] and morph weights, which take the place of the character's own.
+
+use bevy::prelude::*;
+
+use super::subject::Viewed;
+use crate::{
+    anim::pose::Pose,
+    character::schedule::PoseSystems,
+    game::level::Hero,
+    rig::Rig,
+    skinning::{Morphs, SkinPose},
+};
+
+/// What is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::game) enum Show {
+    /// What the character does by itself; the rest pose where it cannot walk.
+    #[default]
+    Own,
+    /// The rest pose.
+    Rest,
+    /// The clip of this index.
+    Clip(usize),
+}
+
+impl Show {
+    /// The next thing to show of a model with `clips` clips, round and round; `step` 1 or -1.
+    pub(in crate::game) fn stepped(self, clips: usize, step: isize) -> Self {
+        let place = match self {
+            Self::Own => 0,
+            Self::Rest => 1,
+            Self::Clip(clip) => clip + 2,
+        };
+        let places = isize::try_from(clips + 2).unwrap_or(isize::MAX);
+        match isize::try_from(place).map_or(0, |place| (place + step).rem_euclid(places)) {
+            0 => Self::Own,
+            1 => Self::Rest,
+            clip => Self::Clip(usize::try_from(clip - 2).unwrap_or(0)),
+        }
+    }
+}
+
+/// What is shown, and how far it is.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(in crate::game) struct Playback {
+    /// What is shown.
+    pub(in crate::game) show: Show,
+    /// Seconds into the clip.
+    pub(in crate::game) time: f32,
+    /// Morph target held at weight 1 besides those of the clip.
+    pub(in crate::game) morph: Option<usize>,
+}
+
+pub(in crate::game) fn plugin(app: &mut App) {
+    app.init_resource::<Playback>().add_systems(PostUpdate, pose.before(PoseSystems::Palette));
+}
+
+fn pose(
+    playback: Res<Playback>,
+    viewed: Res<Viewed>,
+    mut heroes: Query<(Entity, Option<&mut SkinPose>, Option<&mut Morphs>), With<Hero>>,
+    mut commands: Commands,
+) {
+    for (hero, pose, morphs) in &mut heroes {
+        if playback.show == Show::Own && viewed.walks {
+            if pose.is_some() {
+                commands.entity(hero).remove::<SkinPose>();
+            }
+            continue;
+        }
+        let posed = posed(&viewed.rig, playback.show, playback.time);
+        match pose {
+            Some(mut pose) => pose.0 = posed,
+            None => {
+                commands.entity(hero).insert(SkinPose(posed));
+            }
+        }
+        if let Some(mut morphs) = morphs {
+            morph(&mut morphs, &viewed.rig, &playback);
+        }
+    }
+}
+
+/// The pose of a clip at `time` seconds, or the rest pose.
+pub(in crate::game) fn posed(rig: &Rig, show: Show, time: f32) -> Pose {
+    let mut pose = Pose::rest(&rig.skeleton);
+    if let Show::Clip(clip) = show
+        && let Some(clip) = rig.clips.get(clip)
+    {
+        clip.sample(&rig.skeleton, time, pose.locals_mut());
+        pose.update_model(&rig.skeleton);
+    }
+    pose
+}
+
+/// Weights of the clip, if its targets are those of the model; then the one that is held.
+fn morph(morphs: &mut Morphs, rig: &Rig, playback: &Playback) {
+    let names = morphs.names().to_vec();
+    names.iter().for_each(|name| {
+        morphs.set(name, 0.0);
+    });
+    for mesh in &rig.meshes {
+        let mut weights = mesh.morph_weights.clone();
+        if let Show::Clip(clip) = playback.show
+            && let Some(clip) = rig.clips.get(clip)
+        {
+            clip.morph_weights(mesh.joint, playback.time, &mut weights);
+        }
+        if weights.len() == names.len() {
+            names.iter().zip(weights).for_each(|(name, weight)| {
+                morphs.set(name, weight);
+            });
+        }
+    }
+    if let Some(name) = playback.morph.and_then(|morph| names.get(morph)) {
+        morphs.set(name, 1.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stepping_leads_through_all_clips_and_round() {
+        let mut show = Show::Own;
+        let mut seen = vec![];
+        for _ in 0..4 {
+            show = show.stepped(2, 1);
+            seen.push(show);
+        }
+        assert_eq!(seen, [Show::Rest, Show::Clip(0), Show::Clip(1), Show::Own]);
+        assert_eq!(Show::Own.stepped(2, -1), Show::Clip(1));
+    }
+}

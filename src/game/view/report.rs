@@ -1,0 +1,89 @@
+//! What was found in a model, in words. Pure.
+
+use core::fmt::Write;
+
+use super::subject::Subject;
+use crate::{
+    anim::clip::Clip,
+    rig::{Rig, humanoid::Humanoid},
+};
+
+/// The whole report, lines that end in a line feed.
+pub(super) fn of(subject: &Subject) -> String {
+    let Subject { name, rig, walker, .. } = subject;
+    let morphs = rig.meshes.iter().map(|mesh| mesh.morph_weights.len()).sum();
+    let mut text = format!(
+        "{name}: {}, {}, {}, {}, {}\n",
+        count(rig.skeleton.len(), "joint"),
+        count(rig.skins.len(), "skin"),
+        count(rig.meshes.len(), "mesh"),
+        count(morphs, "morph target"),
+        count(rig.clips.len(), "clip"),
+    );
+    for clip in &rig.clips {
+        line(&mut text, &clip_line(clip));
+    }
+    for note in &rig.notes {
+        line(&mut text, &format!("note: {note}"));
+    }
+    text.push_str(&binding(rig));
+    line(
+        &mut text,
+        &match walker {
+            Ok(walker) => {
+                let states: Vec<_> = walker.file.locomotion.states().iter().map(|state| state.name.as_str()).collect();
+                format!("it walks; states: {}", states.join(", "))
+            }
+            Err(error) => format!("it does not walk: {error}"),
+        },
+    );
+    text
+}
+
+fn binding(rig: &Rig) -> String {
+    let mut text = String::new();
+    match Humanoid::bind(&rig.skeleton, &rig.skin_joints(), &[]) {
+        Ok(humanoid) => {
+            for (role, joint) in humanoid.iter() {
+                line(&mut text, &format!("  {role:?}: {}", rig.skeleton.name(joint)));
+            }
+        }
+        Err(error) => line(&mut text, &format!("no body: {error}")),
+    }
+    text
+}
+
+fn clip_line(clip: &Clip) -> String {
+    let Clip { name, duration, report, .. } = clip;
+    let end = if clip.looping { "loops" } else { "ends" };
+    format!(
+        "  clip {name}: {duration:.2} s, {} at {:.0} Hz, {:.3} mm off its keys, {} kB, {end}",
+        count(clip.frame_count(), "frame"),
+        clip.frame_rate(),
+        report.max_error * 1000.0,
+        report.bytes.div_ceil(1000),
+    )
+}
+
+fn count(number: usize, what: &str) -> String {
+    match (number, what.strip_suffix("sh")) {
+        (1, _) => format!("1 {what}"),
+        (_, Some(_)) => format!("{number} {what}es"),
+        (_, None) => format!("{number} {what}s"),
+    }
+}
+
+fn line(text: &mut String, words: &str) {
+    // Writing into a string does not fail.
+    let _ = writeln!(text, "{words}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_of_a_kind_has_no_plural_and_a_mesh_an_own_one() {
+        assert_eq!([count(1, "joint"), count(2, "joint"), count(3, "mesh")], ["1 joint", "2 joints", "3 meshes"]);
+    }
+}
