@@ -63,7 +63,11 @@ const STOPS: f32 = 45.0;
 /// Half-life in seconds in which the body rises again after a fall.
 const RECOVERS: f32 = 0.2;
 /// Height of the hips over the ground below which no fall presses them, as a share of the leg: a deep squat.
-const SQUAT: f32 = 0.48;
+const SQUAT: f32 = 0.52;
+/// Speed in m/s of falls, such as a jump's, that legs stop at the pace of clips.
+const GENTLE: f32 = 4.5;
+/// Radians a second that the joints of a leg of one metre turn for each m/s beyond.
+const BENDS: f32 = 6.0;
 /// Least metres in which a fall is stopped. Guards the division.
 const LEAST_ROOM: f32 = 0.02;
 
@@ -82,6 +86,12 @@ impl PelvisState {
     /// The body has come to the ground: legs bend to stop it.
     pub(super) fn land(&mut self) {
         self.fall = Fall::Stops { speed: self.hips.map_or(0.0, |hips| hips.velocity), own: None };
+    }
+
+    /// Angular speed in rad/s at which legs of `length` metres bend while they stop a fall; 0 for what clips are fit for.
+    pub(super) fn bending(&self, length: f32) -> f32 {
+        let sinks = self.hips.map_or(0.0, |hips| -hips.velocity);
+        if matches!(self.fall, Fall::Over) { 0.0 } else { BENDS * (sinks - GENTLE).max(0.0) / length.max(1e-3) }
     }
 
     /// One frame in the air, without ground, the hips joint at the world height `hips`.
