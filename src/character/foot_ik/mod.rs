@@ -197,9 +197,10 @@ impl FootIk {
         self.placed = placed.map(Some);
         let ankles = [0, 1].map(|side| animated[side].clip_ankle.lerp(placed[side].ankle, self.weight));
         self.sink_pelvis(body, pose, &animated, &placed, ankles, config);
+        let hurry = self.pelvis.bending(body.asset.leg_length);
         for side in 0..2 {
             let placed = PlacedFoot { ankle: ankles[side], ..placed[side] };
-            self.legs[side] = body.solve_leg(pose, side, &placed, &mut self.feet[side], self.weight, config);
+            self.legs[side] = body.solve_leg(pose, side, &placed, &mut self.feet[side], (self.weight, hurry), config);
         }
     }
 
@@ -347,7 +348,7 @@ impl Body<'_> {
         side: usize,
         placed: &PlacedFoot,
         foot: &mut FootState,
-        weight: f32,
+        (weight, hurry): (f32, f32),
         config: &FootIkConfig,
     ) -> LegResult {
         let (ankle_world, turn_world) = (placed.ankle, placed.turn);
@@ -390,7 +391,7 @@ impl Body<'_> {
         if let Some((toes, rotation)) = toes.filter(|_| lifted > 0.0) {
             keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
         }
-        let fastest = self.locomotion.leg_speed(self.asset);
+        let fastest = self.locomotion.leg_speed(self.asset).max(hurry);
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
         foot.note_droop(&pose.pose, leg, placed);
         result

@@ -62,6 +62,14 @@ enum Fall {
 const STOPS: f32 = 45.0;
 /// Half-life in seconds in which the body rises again after a fall.
 const RECOVERS: f32 = 0.2;
+/// Height of the hips over the ground below which no fall presses them, as a share of the leg: a deep squat.
+const SQUAT: f32 = 0.52;
+/// Speed in m/s of falls, such as a jump's, that legs stop at the pace of clips.
+const GENTLE: f32 = 4.5;
+/// Radians a second that the joints of a leg of one metre turn for each m/s beyond.
+const BENDS: f32 = 6.0;
+/// Least metres in which a fall is stopped. Guards the division.
+const LEAST_ROOM: f32 = 0.02;
 
 impl PelvisState {
     /// Metres by which the pelvis stands above (below: negative) the clip's, as the root carries it.
@@ -80,6 +88,12 @@ impl PelvisState {
         self.fall = Fall::Stops { speed: self.hips.map_or(0.0, |hips| hips.velocity), own: None };
     }
 
+    /// Angular speed in rad/s at which legs of `length` metres bend while they stop a fall; 0 for what clips are fit for.
+    pub(super) fn bending(&self, length: f32) -> f32 {
+        let sinks = self.hips.map_or(0.0, |hips| -hips.velocity);
+        if matches!(self.fall, Fall::Over) { 0.0 } else { BENDS * (sinks - GENTLE).max(0.0) / length.max(1e-3) }
+    }
+
     /// One frame in the air, without ground, the hips joint at the world height `hips`.
     pub(super) fn fly_free(&mut self, hips: f32, dt: f32) {
         *self = Self { hips: self.hips, ..Self::default() };
@@ -92,15 +106,19 @@ impl PelvisState {
         self.hips = Some(Spring { value: hips, velocity });
     }
 
-    /// Metres by which what is left of a fall lowers hips that else were at the world height `hips`.
+    /// Metres by which what is left of a fall lowers hips that else were at the world height `hips`, never below `lowest`.
     ///
-    /// The pelvis goes on as it did, then slows evenly, then comes back.
-    fn stop_fall(&mut self, hips: f32, most: f32, dt: f32) -> f32 {
+    /// The pelvis goes on as it did, then slows evenly, the harder the less room there is, then comes back.
+    fn stop_fall(&mut self, hips: f32, lowest: f32, dt: f32) -> f32 {
         let Some(last) = self.hips else { return 0.0 };
+        let most = (hips - lowest).max(0.0);
         match self.fall {
             Fall::Over => 0.0,
             Fall::Stops { speed: before, own } => {
-                let speed = before + STOPS * dt;
+                let room = (last.value - lowest).max(LEAST_ROOM);
+                // As fast as comes to rest within the room there is, at least.
+                let harder = before / (1.0 + 0.5 * before.abs() * dt / room);
+                let speed = harder.max(before + STOPS * dt);
                 let offset = (last.value + 0.5 * (before + speed) * dt - hips).max(-most);
                 let own = own.map(|own| (hips - own) / dt.max(1e-4));
                 self.fall = match own.filter(|own| speed >= *own) {
@@ -111,6 +129,7 @@ impl PelvisState {
             }
             Fall::Recovers(mut fall) => {
                 fall.step(0.0, RECOVERS, dt);
+                fall.value = fall.value.max(-most);
                 let over = fall.value.abs() < 1e-4 && fall.velocity.abs() < 1e-3;
                 self.fall = if over { Fall::Over } else { Fall::Recovers(fall) };
                 fall.value
@@ -135,7 +154,9 @@ impl PelvisState {
         let half_life = if wanted < self.drop.value { 1.0 } else { RISE_SLOWER } * config.pelvis_half_life;
         self.drop.step(wanted, half_life, dt);
         let placed = carried + self.drop.value * weight;
-        self.offset = placed + self.stop_fall(hips + placed, most, dt);
+        let squat = floor + carried + SQUAT * legs[0].length;
+        let lowest = squat.max(hips + placed - most);
+        self.offset = placed + self.stop_fall(hips + placed, lowest, dt);
         self.note(hips + self.offset, dt);
         self.offset
     }

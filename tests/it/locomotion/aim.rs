@@ -6,7 +6,7 @@ use surefoot::{
     testing::{Stage, World},
 };
 
-use super::{clip_weight, state, walker_on};
+use super::{clip_weight, head_top, state, walker_on};
 
 fn aim(velocity: Vec3, facing: Vec3) -> MoveIntent {
     MoveIntent { velocity, facing: Some(facing), ..default() }
@@ -32,6 +32,21 @@ fn who_aims_sidesteps_and_walks_backward() {
         assert!(weight > 0.99, "going {velocity} {clip} weighs {weight}");
         let yaw = yaw(&stage, walker);
         assert!(yaw.abs() < 0.1, "it turned by {yaw}° while going {velocity}");
+    }
+}
+
+#[test]
+fn who_aims_in_a_crouch_sidesteps_and_backs_off_low() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    for (velocity, clip) in
+        [(Vec3::NEG_X * 1.2, "crouch_left"), (Vec3::X * 1.2, "crouch_right"), (Vec3::Z * 1.1, "crouch_back")]
+    {
+        stage.intend(walker, MoveIntent { crouch: true, ..aim(velocity, Vec3::NEG_Z) }).run_for(1.5);
+        assert_eq!(state(&stage, walker), "crouch_strafe", "going {velocity}");
+        let weight = clip_weight(&stage, walker, clip);
+        assert!(weight > 0.99, "going {velocity} {clip} weighs {weight}");
+        let top = head_top(&stage, walker);
+        assert!(top < 1.4, "going {velocity} the crown is {top:.2} m up");
     }
 }
 

@@ -72,6 +72,22 @@ fn a_step_off_a_high_ledge_is_a_hard_landing() {
 }
 
 #[test]
+fn whatever_the_height_of_a_fall_the_soles_stay_on_the_ground() {
+    for height in [0.6f32, 1.5, 3.5, 8.0] {
+        let mut stage = Stage::on(&World::flat());
+        let high = Transform::from_xyz(0.0, height, 0.0);
+        let walker = stage.spawn_character("mannequin.character.ron", high).expect("the mannequin loads");
+        stage.start_recording(walker).run_for(3.0);
+        let measures = stage.measures(walker);
+        assert!(measures.penetration_max < 15.0, "from {height} m a sole sinks by {:.1} mm", measures.penetration_max);
+        assert!(measures.drift_max < 20.0, "from {height} m a plant drifts by {:.1} mm", measures.drift_max);
+        assert_eq!(measures.knee_hyperextended, 0, "from {height} m knees bend backward");
+        let lowest = stage.frames(walker).iter().map(|frame| frame.pelvis).fold(f32::MAX, f32::min);
+        assert!(lowest > 0.35, "from {height} m the pelvis comes down to {lowest:.2} m");
+    }
+}
+
+#[test]
 fn a_landing_catches_the_body_without_a_jolt() {
     let (mut stage, walker) = walker_on(&World::flat());
     stage.intend(walker, jump(Vec3::ZERO)).run_for(0.5).start_recording(walker).run_for(1.5);

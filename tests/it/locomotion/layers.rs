@@ -73,6 +73,33 @@ fn leans_do_not_move_the_feet() {
 }
 
 #[test]
+fn who_stands_breathes_and_shifts_weight_on_feet_that_stay() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    let place = |stage: &Stage, joint: &str| {
+        let joint = asset(stage, walker).skeleton.find(joint).expect("the mannequin has it");
+        stage.get::<CharacterPose>(walker).expect("bound").pose.position(joint)
+    };
+    let feet = ["leftFoot", "rightFoot"];
+    let stood = feet.map(|foot| place(&stage, foot));
+    let (mut tilts, mut hips) = (Vec::new(), Vec::new());
+    for _ in 0..100 {
+        stage.run_for(0.1);
+        tilts.push(ops::asin(directions(&stage, walker, "upperChest").1.dot(Vec3::NEG_Z)).to_degrees());
+        hips.push(place(&stage, "hips").x * 1000.0);
+        for (foot, stood) in feet.into_iter().zip(stood) {
+            let moved = place(&stage, foot).distance(stood) * 1000.0;
+            assert!(moved < 0.5, "{foot} moved by {moved:.2} mm");
+        }
+    }
+    let range = |values: &[f32]| {
+        values.iter().copied().fold(f32::MIN, f32::max) - values.iter().copied().fold(f32::MAX, f32::min)
+    };
+    let (breath, sway) = (range(&tilts), range(&hips));
+    assert!((0.5..4.0).contains(&breath), "the chest rises and falls by {breath:.2}°");
+    assert!((10.0..60.0).contains(&sway), "the hips go {sway:.0} mm from side to side");
+}
+
+#[test]
 fn the_head_turns_before_the_body() {
     let (mut stage, walker) = walker_on(&World::flat());
     stage.intend(walker, MoveIntent { facing: Some(Vec3::NEG_X), ..default() }).run_for(0.12);

@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use surefoot::{
     character::{Character, animator::CharacterPose, intent::MoveIntent, locomotion::Locomotion, motion::MotionState},
     measure::summary::Measures,
-    rig::character::CharacterAsset,
+    rig::{character::CharacterAsset, tuning::locomotion::TransitionBlend},
     testing::{Piece, Stage, Tape, World},
 };
 
@@ -71,6 +71,32 @@ fn a_fade_takes_between_a_tenth_and_three_tenths_of_a_second() {
     let (first, last) = (first.expect("walking begins"), last.expect("walking is reached"));
     let seconds = (last - first) as f32 / 60.0;
     assert!((0.08..=0.3).contains(&seconds), "the fade took {seconds:.2} s");
+}
+
+#[test]
+fn the_file_says_whether_changes_cross_fade_or_are_inertialized() {
+    for (blend, fades) in [(TransitionBlend::CrossFade, true), (TransitionBlend::Inertialize, false)] {
+        let mut stage = Stage::on(&World::flat());
+        let mut mannequin = stage.load_character("mannequin.character.ron").expect("the repository's mannequin");
+        for change in mannequin.file.locomotion.transitions.iter_mut().flatten() {
+            change.blend = blend;
+        }
+        let walker = stage.spawn_loaded(mannequin, &[Transform::IDENTITY])[0];
+        stage.walk(walker, Vec3::NEG_Z * 1.4).start_recording(walker);
+        while state(&stage, walker) == "idle" {
+            stage.run_for(1.0 / 60.0);
+        }
+        stage.run_for(2.0 / 60.0);
+        let idle = weight(&stage, walker, "idle");
+        assert_eq!(idle > 0.1, fades, "{blend:?}: three frames into the walk idle weighs {idle}");
+        stage.run_for(1.0);
+        let Measures { pop_speed, pop_jump, .. } = stage.measures(walker);
+        // Without any blend the first frame of the walk pops by far more.
+        assert!(
+            pop_speed < 3.0 && pop_jump < 3.0,
+            "{blend:?}: pops of {pop_speed:.2} and {pop_jump:.2} times the clips'"
+        );
+    }
 }
 
 #[test]
