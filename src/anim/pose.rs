@@ -2,7 +2,9 @@
 //!
 //! Buffers are sized once from the skeleton; nothing here allocates afterwards.
 
-use bevy::math::{Affine3A, Quat, Vec3};
+use core::ops::Range;
+
+use bevy::math::{Affine3A, Quat, Vec3, Vec3A};
 
 use super::skeleton::{JointIndex, JointTransform, Skeleton};
 
@@ -77,12 +79,28 @@ impl Pose {
 
     /// Model matrices from local transforms, all of them.
     pub fn update_model(&mut self, skeleton: &Skeleton) {
-        self.update_model_from(skeleton, 0);
+        self.update_models(skeleton, 0..skeleton.len());
     }
 
-    /// Model matrices of `joint` and everything after it in the skeleton's order, hence also of all below it.
+    /// Model matrices of `joint` and of all below it.
     pub fn update_model_below(&mut self, skeleton: &Skeleton, joint: JointIndex) {
-        self.update_model_from(skeleton, joint.index());
+        self.update_models(skeleton, skeleton.branch(joint));
+    }
+
+    /// Moves `joint` and all below it by `offset_model` (model space); model matrices stay up to date.
+    pub fn shift_model(&mut self, skeleton: &Skeleton, joint: JointIndex, offset_model: Vec3) {
+        let above = skeleton.parent(joint).map_or(skeleton.model_from_root, |parent| self.model(parent));
+        let translation = self.local(joint).translation + above.inverse().transform_vector3(offset_model);
+        if !translation.is_finite() {
+            return;
+        }
+        self.local[joint.index()].translation = translation;
+        if skeleton.is_whole_branch(joint) {
+            let offset = Vec3A::from(offset_model);
+            self.model[skeleton.branch(joint)].iter_mut().for_each(|model| model.translation += offset);
+        } else {
+            self.update_model_below(skeleton, joint);
+        }
     }
 
     /// Turns `joint` by `rotation_model` (model space, about the joint) in place of its local rotation.
@@ -108,18 +126,26 @@ impl Pose {
         }
     }
 
-    fn update_model_from(&mut self, skeleton: &Skeleton, first: usize) {
+    fn update_models(&mut self, skeleton: &Skeleton, joints: Range<usize>) {
         debug_assert_eq!(self.local.len(), skeleton.len(), "a pose belongs to the skeleton it was made for");
-        for (index, parent) in skeleton.parents().iter().enumerate().skip(first) {
-            let above = parent.map_or(skeleton.model_from_root, |p| self.model[p.index()]);
+        for index in joints {
+            let above = skeleton.parents()[index].map_or(skeleton.model_from_root, |p| self.model[p.index()]);
             self.model[index] = above * self.local[index].to_affine();
         }
     }
 }
 
+/// Difference from 1 of the square of an axis' length up to which it counts as unscaled: rounding of a long chain.
+const UNSCALED: f32 = 1e-4;
+
 /// Rotation part of a matrix; the identity where an axis is squashed to nothing.
 #[must_use]
 pub fn rotation_of(matrix: &Affine3A) -> Quat {
+    let axes = matrix.matrix3;
+    let unscaled = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| (axis.length_squared() - 1.0).abs() < UNSCALED);
+    if unscaled == [true; 3] && axes.x_axis.cross(axes.y_axis).dot(axes.z_axis) > 0.0 {
+        return Quat::from_mat3a(&axes).normalize();
+    }
     let rotation = matrix.to_scale_rotation_translation().1;
     if rotation.is_finite() && rotation.length_squared() > 0.5 { rotation } else { Quat::IDENTITY }
 }

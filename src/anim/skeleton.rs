@@ -1,5 +1,7 @@
 //! Joints: names, parents, rest pose. Parents come before their children, so one pass builds a model pose.
 
+use core::ops::Range;
+
 use bevy::math::{Affine3A, Quat, Vec3};
 
 /// Index of a joint in its [`Skeleton`].
@@ -42,12 +44,22 @@ impl Default for JointTransform {
     }
 }
 
+/// What hangs on a joint.
+#[derive(Clone, Copy, Debug)]
+struct Branch {
+    /// The index after the last joint below it.
+    end: usize,
+    /// How many joints it is, with itself.
+    count: usize,
+}
+
 /// A tree of joints, parents first.
 #[derive(Clone, Debug, Default)]
 pub struct Skeleton {
     names: Vec<String>,
     parents: Vec<Option<JointIndex>>,
     rest: Vec<JointTransform>,
+    branches: Vec<Branch>,
     /// Turns, scales and moves the file's space into model space (metres, +Y up, faces -Z); applied above every root joint.
     pub model_from_root: Affine3A,
 }
@@ -87,6 +99,14 @@ impl Skeleton {
             skeleton.names.push(name);
             skeleton.parents.push(parent);
             skeleton.rest.push(rest);
+        }
+        skeleton.branches = (1..=skeleton.len()).map(|end| Branch { end, count: 1 }).collect();
+        for (index, parent) in skeleton.parents.iter().enumerate().rev() {
+            if let Some(parent) = parent {
+                let Branch { end, count } = skeleton.branches[index];
+                let above = &mut skeleton.branches[parent.index()];
+                *above = Branch { end: above.end.max(end), count: above.count + count };
+            }
         }
         if skeleton.len() > usize::from(u16::MAX) {
             return Err(SkeletonError::TooMany(skeleton.len()));
@@ -147,6 +167,18 @@ impl Skeleton {
         (0..self.names.len()).filter_map(|i| u16::try_from(i).ok()).map(JointIndex)
     }
 
+    /// Indices of `joint` and all below it, and of whatever lies between them in the order of joints.
+    #[must_use]
+    pub fn branch(&self, joint: JointIndex) -> Range<usize> {
+        joint.index()..self.branches[joint.index()].end
+    }
+
+    /// Whether nothing else lies between `joint` and those below it: always so where joints are in depth-first order.
+    #[must_use]
+    pub fn is_whole_branch(&self, joint: JointIndex) -> bool {
+        self.branch(joint).len() == self.branches[joint.index()].count
+    }
+
     /// Whether `joint` is `ancestor` or below it.
     #[must_use]
     pub fn is_below(&self, joint: JointIndex, ancestor: JointIndex) -> bool {
@@ -170,6 +202,24 @@ mod tests {
         let joints = [("hand".to_owned(), Some(JointIndex(1)), JointTransform::IDENTITY)];
         let error = Skeleton::new(joints, Affine3A::IDENTITY).expect_err("hand has no parent yet");
         assert_eq!(error.to_string(), "joint `hand` comes before its parent (index 1); order joints parents first");
+    }
+
+    #[test]
+    fn a_branch_is_whole_unless_another_lies_in_between() {
+        let joint = |name: &str, parent: Option<u16>| (name.to_owned(), parent.map(JointIndex), JointTransform::IDENTITY);
+        let joints = [
+            joint("hips", None),
+            joint("thigh", Some(0)),
+            joint("spine", Some(0)),
+            joint("head", Some(2)),
+            joint("shin", Some(1)),
+        ];
+        let skeleton = Skeleton::new(joints, Affine3A::IDENTITY).expect("parents come first");
+        let branches = [0, 1, 2, 3, 4].map(|joint| {
+            let branch = skeleton.branch(JointIndex(joint));
+            (branch.start, branch.end, skeleton.is_whole_branch(JointIndex(joint)))
+        });
+        assert_eq!(branches, [(0, 5, true), (1, 5, false), (2, 4, true), (3, 4, true), (4, 5, true)]);
     }
 
     #[test]

@@ -46,7 +46,7 @@ fn bind(
         let mut pose = CharacterPose::new(&asset.skeleton);
         let mut locomotion = Locomotion::new(asset, &mut pose.pose);
         if let Some(before) = before {
-            locomotion.take_over(before);
+            locomotion.take_over(before, asset);
         }
         let ground = GroundFilter(SpatialQueryFilter::from_excluded_entities([entity]));
         commands

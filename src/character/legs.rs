@@ -33,17 +33,6 @@ pub struct LegResult {
     pub extension: f32,
 }
 
-/// Moves `joint` by `offset_model` (model space) and brings all model matrices up to date.
-pub fn shift_joint(pose: &mut Pose, skeleton: &Skeleton, joint: JointIndex, offset_model: Vec3) {
-    let above = skeleton.parent(joint).map_or(skeleton.model_from_root, |parent| pose.model(parent));
-    let mut local = pose.local(joint);
-    local.translation += above.inverse().transform_vector3(offset_model);
-    if local.translation.is_finite() {
-        pose.set_local(joint, local);
-        pose.update_model_below(skeleton, joint);
-    }
-}
-
 /// Turns a leg so that its ankle comes to `ankle_model` and its foot to the rotation `foot_rotation` (both model space).
 /// `forward` is where knees point when the leg is straight.
 pub fn place_leg(

@@ -12,7 +12,7 @@ use crate::{
         Character,
         animator::CharacterPose,
         bind::CharacterAssets,
-        legs::{LegJoints, place_leg, shift_joint},
+        legs::{LegJoints, place_leg},
         locomotion::Locomotion,
         motion::MotionState,
     },
@@ -111,7 +111,7 @@ fn apply(balance: &Balance, pose: &mut Pose, asset: &CharacterAsset, config: &Ba
     let feet = asset.legs.map(|leg| (pose.position(leg.foot), pose.rotation(leg.foot)));
     let from_ankles = from_scaled_axis(balance.lean * config.from_ankles);
     let hips = pose.position(asset.hips);
-    shift_joint(pose, skeleton, asset.hips, from_ankles * hips - hips);
+    pose.shift_model(skeleton, asset.hips, from_ankles * hips - hips);
     pose.rotate_model(skeleton, asset.hips, from_ankles);
     let bones = || SPINE.iter().filter_map(|role| asset.humanoid.get(*role));
     let spine = balance.lean * (1.0 - config.from_ankles) + balance.stoop;

@@ -34,7 +34,7 @@ use super::{
     Character,
     animator::CharacterPose,
     bind::CharacterAssets,
-    legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg, shift_joint},
+    legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg},
     locomotion::Locomotion,
     motion::MotionState,
     schedule::PoseSystems,
@@ -238,7 +238,7 @@ impl FootIk {
         let frame = PelvisFrame { floor: root.y, hips: body.hips(pose), weight: self.weight, config, dt: body.dt };
         let offset = self.pelvis.advance(&legs, ride, &frame);
         if offset.abs() > 1e-6 {
-            shift_joint(&mut pose.pose, &body.asset.skeleton, body.asset.hips, Vec3::Y * offset);
+            pose.pose.shift_model(&body.asset.skeleton, body.asset.hips, Vec3::Y * offset);
         }
     }
 }

@@ -33,6 +33,7 @@ pub struct Locomotion {
     /// The transition taken in this frame.
     pub taken: Option<Taken>,
     tracks: Vec<Track>,
+    heard: Vec<Heard>,
     triggers: Vec<String>,
     grade: f32,
     last_root: Option<Vec3>,
@@ -49,6 +50,15 @@ struct Track {
     /// Its place among the character's clips.
     clip: usize,
     landing: cues::Landing,
+}
+
+/// A track that plays, and where it is.
+#[derive(Clone, Copy, Debug)]
+struct Heard {
+    track: usize,
+    weight: f32,
+    time: f32,
+    gait_phase: f32,
 }
 
 /// A clip that plays.
@@ -81,33 +91,45 @@ impl Locomotion {
             }
         }
         *scratch = Pose::rest(&asset.skeleton);
-        Self {
+        let mut locomotion = Self {
             machine: Machine::new(config, |name| asset.clip(name).map(facts_of).unwrap_or_default()),
             cues: Default::default(),
             taken: None,
+            heard: Vec::with_capacity(tracks.len()),
             tracks,
             triggers: Vec::new(),
             grade: 0.0,
             last_root: None,
             jumps: None,
-        }
+        };
+        locomotion.listen(asset);
+        locomotion
     }
 
     /// All clips that play now.
     pub fn playing<'a>(&'a self, asset: &'a CharacterAsset) -> impl Iterator<Item = Playing<'a>> {
-        self.tracks.iter().filter_map(move |track| {
-            let machine = &self.machine;
+        self.heard.iter().filter_map(move |&Heard { track, weight, time, gait_phase }| {
+            let Track { state, clip, landing, .. } = self.tracks[track];
+            Some(Playing { clip: asset.clips().get(clip)?, state, weight, time, gait_phase, landing })
+        })
+    }
+
+    /// Finds out what plays, and where it is.
+    fn listen(&mut self, asset: &CharacterAsset) {
+        let Self { machine, tracks, heard, .. } = self;
+        heard.clear();
+        for (index, track) in tracks.iter().enumerate() {
             let weight = machine.weight(track.state);
             let weight = if weight > 0.0 { weight * machine.share(track.state, track.slot) } else { 0.0 };
-            let clip = asset.clips().get(track.clip).filter(|_| weight > 0.0)?;
+            let Some(clip) = asset.clips().get(track.clip).filter(|_| weight > 0.0) else { continue };
             let (phase, duration) = (machine.clip_phase(track.state), clip.clip.duration);
             let (time, gait_phase) = if machine.is_gait(track.state) {
                 (clip.gait.time_at(phase, duration), phase)
             } else {
                 (phase * duration, clip.gait.phase_at(phase * duration, duration))
             };
-            Some(Playing { clip, state: track.state, weight, time, gait_phase, landing: track.landing })
-        })
+            heard.push(Heard { track: index, weight, time, gait_phase });
+        }
     }
 
     /// Largest angular speed in rad/s that hips, knees and ankles have in the clips that play, each by its weight; at least
@@ -153,9 +175,10 @@ impl Locomotion {
     }
 
     /// Goes on where `other` is, as far as it has the same states: for a character whose file has changed.
-    pub fn take_over(&mut self, other: &Self) {
+    pub fn take_over(&mut self, other: &Self, asset: &CharacterAsset) {
         self.machine.take_over(&other.machine);
         (self.grade, self.last_root, self.jumps) = (other.grade, other.last_root, other.jumps);
+        self.listen(asset);
     }
 }
 
@@ -226,6 +249,7 @@ fn locomote(
         };
         locomotion.taken = locomotion.machine.advance(&facts, dt);
         locomotion.triggers.clear();
+        locomotion.listen(asset);
         for foot in 0..2 {
             locomotion.cues[foot] = cues::cue(locomotion, asset, foot);
         }
