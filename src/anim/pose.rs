@@ -2,8 +2,6 @@
 //!
 //! Buffers are sized once from the skeleton; nothing here allocates afterwards.
 
-use core::ops::Range;
-
 use bevy::math::{Affine3A, Quat, Vec3, Vec3A};
 
 use super::skeleton::{JointIndex, JointTransform, Skeleton};
@@ -126,10 +124,16 @@ impl Pose {
         }
     }
 
-    fn update_models(&mut self, skeleton: &Skeleton, joints: Range<usize>) {
+    /// Model matrices of `joints` alone, parents first; those of others are stale.
+    pub fn update_model_of(&mut self, skeleton: &Skeleton, joints: &[JointIndex]) {
+        self.update_models(skeleton, joints.iter().map(|joint| joint.index()));
+    }
+
+    fn update_models(&mut self, skeleton: &Skeleton, joints: impl Iterator<Item = usize>) {
         debug_assert_eq!(self.local.len(), skeleton.len(), "a pose belongs to the skeleton it was made for");
+        let parents = skeleton.parents();
         for index in joints {
-            let above = skeleton.parents()[index].map_or(skeleton.model_from_root, |p| self.model[p.index()]);
+            let above = parents[index].map_or(skeleton.model_from_root, |p| self.model[p.index()]);
             self.model[index] = above * self.local[index].to_affine();
         }
     }

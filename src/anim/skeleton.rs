@@ -206,7 +206,8 @@ mod tests {
 
     #[test]
     fn a_branch_is_whole_unless_another_lies_in_between() {
-        let joint = |name: &str, parent: Option<u16>| (name.to_owned(), parent.map(JointIndex), JointTransform::IDENTITY);
+        let joint =
+            |name: &str, parent: Option<u16>| (name.to_owned(), parent.map(JointIndex), JointTransform::IDENTITY);
         let joints = [
             joint("hips", None),
             joint("thigh", Some(0)),

@@ -70,22 +70,19 @@ fn limited(gaze: Vec2, config: &LookConfig) -> Vec2 {
     gaze.clamp(-most, most)
 }
 
-/// Turns chest, neck and head by `turn`, axis times radians in model space.
+/// Turns chest, neck and head by `turn`, axis times radians in model space. Model matrices are stale afterwards.
 fn apply(turn: Vec3, pose: &mut Pose, asset: &CharacterAsset, config: &LookConfig) {
     let Some(head) = asset.humanoid.get(HumanoidRole::Head) else { return };
     let chest = asset.humanoid.get(HumanoidRole::UpperChest).or_else(|| asset.humanoid.get(HumanoidRole::Chest));
     let mut left = 1.0;
-    let mut lowest = head;
     // All turns are about one axis, so each may be made in the frame that its joint had.
     for (joint, share) in [(asset.humanoid.get(HumanoidRole::Neck), config.neck), (chest, config.chest)] {
         if let Some(joint) = joint {
             pose.rotate_model(&asset.skeleton, joint, from_scaled_axis(turn * share));
             left -= share;
-            lowest = joint;
         }
     }
     pose.rotate_model(&asset.skeleton, head, from_scaled_axis(turn * left));
-    pose.update_model_below(&asset.skeleton, lowest);
 }
 
 fn look(

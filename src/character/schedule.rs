@@ -16,15 +16,17 @@ pub enum MotionSystems {
 pub enum PoseSystems {
     /// `MotionState` → clip weights and phase.
     Locomote,
-    /// Clips → local pose.
+    /// Clips → local pose. From here to `Model` the model pose is that of legs, spine and head alone.
     Sample,
     /// Ground → feet, ankles, pelvis of the local pose.
     Plant,
     /// Where it goes → chest, neck and head of the local pose.
     Look,
+    /// Local pose → model pose of all joints.
+    Model,
     /// Targets → joints of IK chains.
     Reach,
-    /// Model pose, and what rides on it.
+    /// Model pose → what rides on it.
     Attach,
     /// Model pose → skinning matrices.
     Palette,
@@ -42,6 +44,7 @@ impl Plugin for SchedulePlugin {
                 PoseSystems::Sample,
                 PoseSystems::Plant,
                 PoseSystems::Look,
+                PoseSystems::Model,
                 PoseSystems::Reach,
                 PoseSystems::Attach,
                 PoseSystems::Palette,

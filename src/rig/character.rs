@@ -11,6 +11,7 @@ use super::{
     humanoid::{Humanoid, HumanoidError, HumanoidRole},
     legs,
     names::{listed, suggestion},
+    trunk::trunk,
     tuning::{
         locomotion::Pace,
         ranges::{RangeError, Ranges},
@@ -42,6 +43,8 @@ pub struct CharacterAsset {
     pub hips: JointIndex,
     /// Both legs.
     pub legs: [Leg; 2],
+    /// Joints of legs, spine and head, parents first: all that a pose holds in model space before `PoseSystems::Model`.
+    pub trunk: Vec<JointIndex>,
     /// Thigh and shin, the mean of both legs, metres.
     pub leg_length: f32,
     clips: Vec<CharacterClip>,
@@ -144,6 +147,7 @@ impl CharacterAsset {
         let hips = humanoid.get(HumanoidRole::Hips).unwrap_or_default();
 
         let mut asset = Self {
+            trunk: trunk(&model.skeleton, &humanoid, &legs),
             model: path,
             skeleton: Arc::new(model.skeleton.clone()),
             rig: Arc::new(model),

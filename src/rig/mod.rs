@@ -9,6 +9,7 @@ pub mod joint_ref;
 mod legs;
 pub mod loader;
 mod names;
+mod trunk;
 pub mod tuning;
 
 use std::sync::Arc;

@@ -118,7 +118,7 @@ fn apply(balance: &Balance, pose: &mut Pose, asset: &CharacterAsset, config: &Ba
     let bend = from_scaled_axis(spine / bones().count().max(1) as f32);
     // All bends are about one axis, so each may be made in the frame that its joint had.
     bones().for_each(|joint| pose.rotate_model(skeleton, joint, bend));
-    pose.update_model_below(skeleton, asset.hips);
+    pose.update_model_of(skeleton, &asset.trunk);
     for (leg, (ankle, rotation)) in asset.legs.iter().zip(feet) {
         let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
         place_leg(pose, skeleton, joints, ankle, rotation, Vec3::NEG_Z, EXTENSION);

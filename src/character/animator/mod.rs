@@ -28,7 +28,7 @@ const HALF_LIFE_OF_FADE: f32 = 0.2;
 /// A character's pose: written by the animator, changed by foot IK, read by skinning.
 #[derive(Component, Clone, Debug, Default)]
 pub struct CharacterPose {
-    /// Local transforms and model matrices of every joint.
+    /// Local transforms and model matrices of every joint; in model space all are up to date from `PoseSystems::Model` on.
     pub pose: Pose,
     scratch: Vec<JointTransform>,
     inertializer: Inertializer,
@@ -67,7 +67,7 @@ impl CharacterPose {
             self.inertializer.begin(self.pose.locals(), taken.fade * HALF_LIFE_OF_FADE);
         }
         self.inertializer.apply(self.pose.locals_mut(), dt);
-        self.pose.update_model(&asset.skeleton);
+        self.pose.update_model_of(&asset.skeleton, &asset.trunk);
         if let Some(blended) = blended {
             self.feet.correct(&mut self.pose, &asset.skeleton, &asset.legs, &blended);
         }
@@ -80,8 +80,20 @@ pub struct AnimatorPlugin;
 
 impl Plugin for AnimatorPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PostUpdate, (animate, balance::keep_balance).chain().in_set(PoseSystems::Sample));
+        app.add_systems(
+            PostUpdate,
+            ((animate, balance::keep_balance).chain().in_set(PoseSystems::Sample), complete.in_set(PoseSystems::Model)),
+        );
     }
+}
+
+/// Brings all joints into model space.
+fn complete(assets: CharacterAssets, mut characters: Query<(&Character, &mut CharacterPose)>) {
+    characters.par_iter_mut().for_each(|(character, mut pose)| {
+        if let Some(asset) = assets.get(character) {
+            pose.pose.update_model(&asset.skeleton);
+        }
+    });
 }
 
 fn animate(

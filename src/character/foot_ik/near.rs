@@ -2,6 +2,7 @@
 //!
 //! World space, metres. Heightfields are asked for their height; all else is cast at.
 
+use arrayvec::ArrayVec;
 use avian3d::prelude::*;
 use bevy::{ecs::system::SystemParam, prelude::*};
 
@@ -9,7 +10,7 @@ use super::{
     ground::{GroundHit, Probe, Reach},
     probe::{GroundFilter, NoGround, PhysicsProbe},
 };
-use crate::character::motion::{CharacterMotion, ground_below};
+use crate::character::motion::{CharacterMotion, UprightField};
 
 /// Colliders near one character beyond which the world is searched after all.
 const MOST: usize = 24;
@@ -40,11 +41,12 @@ struct Solid<'a> {
     position: Vec3,
     rotation: Rotation,
     bounds: ColliderAabb,
+    field: Option<UprightField<'a>>,
 }
 
 /// Rays into the colliders about a place; outside of it into the whole world.
 pub struct NearProbe<'a, 'w, 's> {
-    solids: [Option<Solid<'a>>; MOST],
+    solids: ArrayVec<Solid<'a>, MOST>,
     /// Between these corners `solids` is all there is.
     region: ColliderAabb,
     everywhere: PhysicsProbe<'a, 'w, 's>,
@@ -54,24 +56,28 @@ impl Grounds<'_, '_> {
     /// The ground within `radius` metres, horizontally, of what `reach` looks around.
     pub fn near<'a>(&'a self, filter: &'a GroundFilter, reach: Reach, radius: f32) -> NearProbe<'a, 'a, 'a> {
         let half = Vec3::new(radius, reach.tallest(radius), radius);
-        let mut region = ColliderAabb::from_min_max(reach.root - half, reach.root + half);
-        let mut solids = [None; MOST];
-        let mut count = 0;
-        self.spatial.aabb_intersections_with_aabb_callback(region, |entity| {
+        let mut near = NearProbe {
+            solids: ArrayVec::new_const(),
+            region: ColliderAabb::from_min_max(reach.root - half, reach.root + half),
+            everywhere: PhysicsProbe::new(&self.spatial, &self.no_ground, filter),
+        };
+        let mut all = true;
+        self.spatial.aabb_intersections_with_aabb_callback(near.region, |entity| {
             let Ok((collider, position, rotation, bounds, layers)) = self.solids.get(entity) else { return true };
             if !filter.0.test(entity, layers.copied().unwrap_or_default()) {
                 return true;
             }
-            if let Some(free) = solids.get_mut(count) {
-                *free = Some(Solid { entity, collider, position: position.0, rotation: *rotation, bounds: *bounds });
-            }
-            count += 1;
-            count <= MOST
+            let field = collider.shape_scaled().as_heightfield();
+            let field = field.and_then(|field| UprightField::new(field, position.0, rotation.0));
+            let solid =
+                Solid { entity, collider, position: position.0, rotation: *rotation, bounds: *bounds, field };
+            all = near.solids.try_push(solid).is_ok();
+            all
         });
-        if count > MOST {
-            region = ColliderAabb::INVALID;
+        if !all {
+            near.region = ColliderAabb::INVALID;
         }
-        NearProbe { solids, region, everywhere: PhysicsProbe::new(&self.spatial, &self.no_ground, filter) }
+        near
     }
 }
 
@@ -83,10 +89,8 @@ impl Solid<'_> {
         if misses || start.y < least.y || start.y - length > most.y {
             return None;
         }
-        if let Some(field) = self.collider.shape_scaled().as_heightfield()
-            && let Some(ground) = ground_below(field, self.position, self.rotation.0, start)
-        {
-            return ground.map(|(height, normal)| (start.y - height, normal));
+        if let Some(field) = &self.field {
+            return field.below(start).map(|(height, normal)| (start.y - height, normal));
         }
         let cast = self.collider.cast_ray(self.position, self.rotation, start, Vec3::NEG_Y, length, false);
         cast.map(|(distance, normal)| (distance, if normal.y < 0.0 { -normal } else { normal }))
@@ -102,7 +106,7 @@ impl Probe for NearProbe<'_, '_, '_> {
         }
         let mut nearest: Option<GroundHit> = None;
         let mut left = length;
-        for solid in self.solids.iter().map_while(Option::as_ref) {
+        for solid in &self.solids {
             let Some((distance, normal)) = solid.below(start, left).filter(|(distance, _)| *distance < left) else {
                 continue;
             };

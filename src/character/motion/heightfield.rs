@@ -4,15 +4,12 @@
 //! terrain that is most of the time. World space, metres.
 
 use avian3d::parry::{bounding_volume::Aabb, math::Vector, shape::HeightField};
-use bevy::math::{Mat3, Quat, Vec3};
+use bevy::math::{Mat3, Vec3};
 
 use super::frame::Frame;
 
 /// Slack in metres around an edge, so that no seam lies between two triangles.
 const SEAM: f32 = 1e-5;
-
-/// Cosine of the tilt below which a field counts as upright.
-const UPRIGHT: f32 = 1.0 - 1e-7;
 
 /// A box along the world's axes.
 #[derive(Clone, Copy, Debug)]
@@ -110,41 +107,6 @@ fn rest_on_edge(over: Vec3, radius: f32, from: Vec3, to: Vec3) -> Option<Rest> {
         if above < 0.0 { None } else { rest_at(over, end.y + above.sqrt(), end) }
     };
     [on_end(from), on_end(to)].into_iter().flatten().max_by(|a, b| a.height.total_cmp(&b.height))
-}
-
-/// Height and unit normal of an upright field straight below `from`; `Some(None)` where there is no ground, `None` for a
-/// field that is tilted.
-#[must_use]
-pub(in crate::character) fn ground_below(
-    field: &HeightField,
-    position: Vec3,
-    rotation: Quat,
-    from: Vec3,
-) -> Option<Option<(f32, Vec3)>> {
-    if (rotation * Vec3::Y).y < UPRIGHT {
-        return None;
-    }
-    let local = rotation.inverse() * (from - position);
-    let place = Vector::new(local.x, local.y, local.z);
-    let Some((row, column)) = field.cell_at_point(place) else { return Some(None) };
-    let (one, other) = field.triangles_at(row, column);
-    let corner = |v: Vector| Vec3::new(v.x, v.y, v.z);
-    let under = [one, other].into_iter().flatten().find_map(|triangle| {
-        let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(corner);
-        // Twice the areas, seen from above, that `local` spans with each edge: all of one sign inside.
-        let side = |from: Vec3, to: Vec3| (to.x - from.x) * (local.z - from.z) - (to.z - from.z) * (local.x - from.x);
-        let shares = Vec3::new(side(b, c), side(c, a), side(a, b));
-        if !(shares.cmpge(Vec3::splat(-SEAM)).all() || shares.cmple(Vec3::splat(SEAM)).all()) {
-            return None;
-        }
-        let height = shares.dot(Vec3::new(a.y, b.y, c.y)) / shares.element_sum();
-        (height <= local.y).then(|| {
-            let cross = (b - a).cross(c - a);
-            let normal = (if cross.y < 0.0 { -cross } else { cross }).normalize_or(Vec3::Y);
-            (position.y + height, rotation * normal)
-        })
-    });
-    Some(under)
 }
 
 fn rest_at(over: Vec3, height: f32, point: Vec3) -> Option<Rest> {

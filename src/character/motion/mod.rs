@@ -9,6 +9,7 @@
 mod body;
 mod capsule;
 mod casts;
+mod field;
 mod fly;
 mod footing;
 mod frame;
@@ -39,7 +40,7 @@ use super::{
 use crate::rig::tuning::motion::MotionConfig;
 use body::MotionBody;
 use capsule::MotionShapes;
-pub(in crate::character) use heightfield::ground_below;
+pub(in crate::character) use field::UprightField;
 use space::{Space, View};
 use speed::limit_strafe;
 use tick::Tick;
