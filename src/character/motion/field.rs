@@ -1,0 +1,130 @@
+//! Height and slope of a heightfield at a place, without a cast.
+//!
+//! World space, metres.
+
+use avian3d::parry::shape::{HeightField, HeightFieldCellStatus};
+use bevy::math::{Quat, Vec2, Vec3};
+
+/// Cosine of the tilt below which a field counts as upright.
+const UPRIGHT: f32 = 1.0 - 1e-7;
+
+/// A heightfield that stands upright, ready to be asked.
+#[derive(Clone, Copy)]
+pub(in crate::character) struct UprightField<'a> {
+    field: &'a HeightField,
+    position: Vec3,
+    /// World from field, if they are turned against each other at all.
+    turn: Option<Quat>,
+    /// How many cells there are along the field's x and z, and how many to a metre.
+    cells: Vec2,
+    density: Vec2,
+    /// Metres of height to one of the field's.
+    tall: f32,
+}
+
+impl<'a> UprightField<'a> {
+    /// The field at `position`, turned by `rotation`; `None` for a tilted one.
+    #[must_use]
+    pub(in crate::character) fn new(field: &'a HeightField, position: Vec3, rotation: Quat) -> Option<Self> {
+        let (cells, scale) = (Vec2::new(field.ncols() as f32, field.nrows() as f32), field.scale());
+        let upright = (rotation * Vec3::Y).y >= UPRIGHT;
+        upright.then(|| Self {
+            field,
+            position,
+            turn: (rotation != Quat::IDENTITY).then_some(rotation),
+            cells,
+            density: cells / Vec2::new(scale.x, scale.z),
+            tall: scale.y,
+        })
+    }
+
+    /// Height and unit normal of the ground straight below `from`; `None` where there is none.
+    #[must_use]
+    pub(in crate::character) fn below(&self, from: Vec3) -> Option<(f32, Vec3)> {
+        let away = from - self.position;
+        let local = self.turn.map_or(away, |turn| turn.inverse() * away);
+        // In cells, from the corner of the field.
+        let place = Vec2::new(local.x, local.z) * self.density + 0.5 * self.cells;
+        if !(place.cmpge(Vec2::ZERO).all() && place.cmple(self.cells).all()) {
+            return None;
+        }
+        let corner = place.min(self.cells - 1.0).as_usizevec2();
+        let (u, v) = (place.x - corner.x as f32, place.y - corner.y as f32);
+        let heights = self.field.heights();
+        let height = |z: usize, x: usize| heights[(corner.y + z, corner.x + x)];
+        let (here, beside, behind, across) = (height(0, 0), height(0, 1), height(1, 0), height(1, 1));
+        // Each cell is two triangles: split from `here` to `across`, else from `behind` to `beside`.
+        let status = self.field.cell_status(corner.y, corner.x);
+        let zigzag = status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
+        let left = if zigzag { v >= u } else { u + v <= 1.0 };
+        let removed = [HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED, HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED];
+        if status.contains(removed[usize::from(left)]) {
+            return None;
+        }
+        // Rise over a whole cell along x and z, and the height at the cell's corner if the triangle went on.
+        let (along_x, along_z, base) = match (zigzag, left) {
+            (true, true) => (across - behind, behind - here, here),
+            (true, false) => (beside - here, across - beside, here),
+            (false, true) => (beside - here, behind - here, here),
+            (false, false) => (across - behind, across - beside, beside + behind - across),
+        };
+        let height = (base + u * along_x + v * along_z) * self.tall;
+        if height > local.y {
+            return None;
+        }
+        let rise = Vec2::new(along_x, along_z) * self.density * self.tall;
+        let normal = Vec3::new(-rise.x, 1.0, -rise.y).normalize();
+        Some((self.position.y + height, self.turn.map_or(normal, |turn| turn * normal)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use avian3d::parry::{
+        math::{Pose, Vector},
+        query::{Ray, RayCast},
+        utils::Array2,
+    };
+    use proptest::prelude::*;
+
+    /// A field of 4 × 3 cells with steep triangles of both splits, and one triangle missing.
+    fn field() -> HeightField {
+        let heights = (0..20u8).map(|index| f32::from((index * 7) % 11) * 0.1).collect();
+        let mut field = HeightField::new(Array2::new(4, 5, heights), Vector::new(8.0, 1.5, 3.0));
+        field.set_cell_status(1, 2, HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
+        field.set_cell_status(2, 0, HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
+        field.set_cell_status(0, 3, HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED);
+        field
+    }
+
+    proptest! {
+        #[test]
+        fn a_field_answers_as_a_ray_cast_at_it_does(x in -5.0f32..5.0, z in -5.0f32..5.0, yaw in -3.0f32..3.0) {
+            let (field, position, rotation) = (field(), Vec3::new(1.0, -2.0, 0.5), Quat::from_rotation_y(yaw));
+            let upright = UprightField::new(&field, position, rotation).expect("it stands upright");
+            let from = Vec3::new(x, 4.0, z);
+            let ray = Ray::new(Vector::new(x, 4.0, z), Vector::new(0.0, -1.0, 0.0));
+            let pose = Pose::from_parts(Vector::new(1.0, -2.0, 0.5), rotation);
+            let cast = field.cast_ray_and_get_normal(&pose, &ray, 20.0, false);
+            let found = upright.below(from);
+            match (found, cast) {
+                (Some((height, normal)), Some(hit)) => {
+                    prop_assert!((4.0 - hit.time_of_impact - height).abs() < 1e-4, "{height} m");
+                    let same = normal.dot(Vec3::new(hit.normal.x, hit.normal.y, hit.normal.z)).abs();
+                    prop_assert!(same > 0.999, "normals at {same}");
+                }
+                (found, cast) => prop_assert_eq!(found.is_some(), cast.is_some(), "{:?}", cast),
+            }
+        }
+    }
+
+    #[test]
+    fn a_tilted_field_is_left_to_casts_and_ground_above_is_not_below() {
+        let field = field();
+        assert!(UprightField::new(&field, Vec3::ZERO, Quat::from_rotation_x(0.01)).is_none());
+        let upright = UprightField::new(&field, Vec3::ZERO, Quat::IDENTITY).expect("it stands upright");
+        assert_eq!(upright.below(Vec3::new(0.3, -1.0, 0.3)), None);
+        assert_eq!(upright.below(Vec3::NAN), None);
+    }
+}
