@@ -1,7 +1,8 @@
 //! How long a thousand walking mannequins take on one core: two clips sampled and blended, feet placed on a heightfield,
 //! skinning matrices written.
 //!
-//! Run by `cargo bench`; `cargo bench --bench crowd -- 500` takes another number. Prints the median time of a frame, of the pose stages alone, and of one character.
+//! Run by `cargo bench`; `cargo bench --bench crowd -- 500` takes another number. Prints the median time of a frame,
+//! of the pose stages together and each alone, and of one character.
 
 use std::{
     hint::black_box,
@@ -25,12 +26,15 @@ use surefoot::{
     testing::World as Ground,
 };
 
-/// When the pose stages began, and how long they took.
+/// When the last pose stage ended, and how long each took.
 #[derive(Resource, Default)]
 struct Watch {
-    begun: Option<Instant>,
-    laps: Vec<Duration>,
+    last: Option<Instant>,
+    laps: [Vec<Duration>; STAGES.len()],
 }
+
+/// What is timed, in order.
+const STAGES: [&str; 6] = ["locomote", "sample", "plant", "look", "model", "palette"];
 
 /// Skinning matrices of everyone.
 #[derive(Resource, Default)]
@@ -40,18 +44,21 @@ struct Palettes(Vec<Affine3A>);
 struct Skin(Handle<Rig>);
 
 fn main() {
-    println!("{:>10} {:>14} {:>14} {:>14}", "characters", "frame ms", "poses ms", "µs/character");
+    let titles: String = STAGES.iter().map(|stage| format!("{stage:>10}")).collect();
+    println!("{:>10} {:>10} {:>10} {:>13} |{titles} ms", "characters", "frame ms", "poses ms", "µs/character");
     let asked: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
     for count in if asked.is_empty() { vec![1, 100, 1_000] } else { asked } {
-        let (frame, poses) = measure(count);
+        let (frame, stages) = measure(count);
+        let poses: Duration = stages.iter().sum();
         let each = poses.as_secs_f64() * 1e6 / count as f64;
+        let stages: String = stages.iter().map(|stage| format!("{:>10.3}", stage.as_secs_f64() * 1e3)).collect();
         let (frame, poses) = (frame.as_secs_f64() * 1e3, poses.as_secs_f64() * 1e3);
-        println!("{count:>10} {frame:>14.3} {poses:>14.3} {each:>14.2}");
+        println!("{count:>10} {frame:>10.3} {poses:>10.3} {each:>13.2} |{stages}");
     }
 }
 
-/// Median of a whole frame and of its pose stages.
-fn measure(count: usize) -> (Duration, Duration) {
+/// Median of a whole frame and of each of its pose stages.
+fn measure(count: usize) -> (Duration, [Duration; STAGES.len()]) {
     let mut app = stage();
     let (character, rig) = load(&mut app);
     app.insert_resource(Skin(rig));
@@ -82,7 +89,7 @@ fn measure(count: usize) -> (Duration, Duration) {
     };
     let mut machines = app.world_mut().query::<&Locomotion>();
     let blended = machines.iter(app.world()).filter(|locomotion| heard(locomotion) >= 2).count();
-    app.world_mut().resource_mut::<Watch>().laps.clear();
+    app.world_mut().resource_mut::<Watch>().laps = Default::default();
     let mut frames: Vec<Duration> = (0..60)
         .map(|_| {
             let begun = Instant::now();
@@ -94,7 +101,7 @@ fn measure(count: usize) -> (Duration, Duration) {
     if blended < count {
         println!("{blended} of {count} characters blend two clips, the others have met an obstacle");
     }
-    (median(&mut frames), median(&mut laps))
+    (median(&mut frames), laps.each_mut().map(|laps| median(laps)))
 }
 
 fn stage() -> App {
@@ -112,9 +119,14 @@ fn stage() -> App {
     .add_systems(
         PostUpdate,
         (
-            (|mut watch: ResMut<Watch>| watch.begun = Some(Instant::now())).before(PoseSystems::Locomote),
+            start.before(PoseSystems::Locomote),
+            lap::<0>.after(PoseSystems::Locomote).before(PoseSystems::Sample),
+            lap::<1>.after(PoseSystems::Sample).before(PoseSystems::Plant),
+            lap::<2>.after(PoseSystems::Plant).before(PoseSystems::Look),
+            lap::<3>.after(PoseSystems::Look).before(PoseSystems::Model),
+            lap::<4>.after(PoseSystems::Model).before(PoseSystems::Reach),
             palettes.in_set(PoseSystems::Palette),
-            stop.after(PoseSystems::Palette).before(TransformSystems::Propagate),
+            lap::<5>.after(PoseSystems::Palette).before(TransformSystems::Propagate),
         ),
     );
     for piece in Ground::hills().pieces {
@@ -164,9 +176,14 @@ fn palettes(
     black_box(&palettes.0);
 }
 
-fn stop(mut watch: ResMut<Watch>) {
-    if let Some(begun) = watch.begun.take() {
-        watch.laps.push(begun.elapsed());
+fn start(mut watch: ResMut<Watch>) {
+    watch.last = Some(Instant::now());
+}
+
+fn lap<const STAGE: usize>(mut watch: ResMut<Watch>) {
+    let now = Instant::now();
+    if let Some(last) = watch.last.replace(now) {
+        watch.laps[STAGE].push(now - last);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Gives a spawned [`Character`] its pose, state machine and tuning once its file is loaded, and again when it changes.
 
 use avian3d::prelude::SpatialQueryFilter;
-use bevy::{ecs::system::SystemParam, prelude::*};
+use bevy::{ecs::system::SystemParam, platform::collections::HashMap, prelude::*};
 
 use super::{
     Character,
@@ -41,10 +41,19 @@ fn bind(
     assets: CharacterAssets,
     fresh: Query<(Entity, &Character), Without<CharacterPose>>,
     bound: Query<(Entity, &Character, &Locomotion), With<CharacterPose>>,
+    mut patterns: Local<HashMap<AssetId<CharacterAsset>, Locomotion>>,
 ) {
-    let mut give = |entity: Entity, asset: &CharacterAsset, before: Option<&Locomotion>| {
+    let events: Vec<AssetEvent<CharacterAsset>> = events.read().copied().collect();
+    for event in &events {
+        if let AssetEvent::Modified { id } | AssetEvent::Removed { id } = event {
+            patterns.remove(id);
+        }
+    }
+    let mut give = |entity: Entity, asset: &CharacterAsset, character: &Character, before: Option<&Locomotion>| {
         let mut pose = CharacterPose::new(&asset.skeleton);
-        let mut locomotion = Locomotion::new(asset, &mut pose.pose);
+        // All characters of one file share what never changes.
+        let pattern = patterns.entry(character.0.id()).or_insert_with(|| Locomotion::new(asset, &mut pose.pose));
+        let mut locomotion = pattern.clone();
         if let Some(before) = before {
             locomotion.take_over(before, asset);
         }
@@ -54,17 +63,17 @@ fn bind(
             .insert((pose, locomotion, FootIk::new(asset), asset.file.motion.clone()))
             .insert_if_new((ground, Balance::default(), Look::default()));
     };
-    for event in events.read() {
-        let &AssetEvent::Modified { id } = event else { continue };
+    for event in events {
+        let AssetEvent::Modified { id } = event else { continue };
         for (entity, character, locomotion) in bound.iter().filter(|(_, character, _)| character.0.id() == id) {
             if let Some(asset) = assets.get(character) {
-                give(entity, asset, Some(locomotion));
+                give(entity, asset, character, Some(locomotion));
             }
         }
     }
     for (entity, character) in &fresh {
         if let Some(asset) = assets.get(character) {
-            give(entity, asset, None);
+            give(entity, asset, character, None);
         }
     }
 }

@@ -37,15 +37,21 @@ pub fn shortest_arc(from: Vec3, to: Vec3) -> Quat {
     Quat::from_xyzw(cross.x, cross.y, cross.z, 1.0 + cos).normalize()
 }
 
+/// Squared sine of half an angle (here of 11°) up to which a short series gives the angle.
+const SMALL_SQUARED: f32 = 0.01;
+
 /// Rotation vector: axis times angle in radians, angle in 0..=π (the shorter way round).
 #[must_use]
 pub fn to_scaled_axis(rotation: Quat) -> Vec3 {
     let q = if rotation.w < 0.0 { -rotation } else { rotation };
     let xyz = Vec3::new(q.x, q.y, q.z);
-    let sin = xyz.length();
-    if sin < 1e-6 {
-        return xyz * 2.0;
+    let squared = xyz.length_squared();
+    if squared < SMALL_SQUARED && q.w > 0.5 {
+        // The series of 2 asin(s) / s: below rounding from its fifth term on.
+        let terms = 1.0 / 6.0 + squared * (3.0 / 40.0 + squared * (15.0 / 336.0));
+        return xyz * (2.0 + 2.0 * squared * terms);
     }
+    let sin = squared.sqrt();
     xyz * (2.0 * ops::atan2(sin, q.w) / sin)
 }
 

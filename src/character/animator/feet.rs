@@ -4,7 +4,7 @@
 //! and crouching by 6 cm. So feet are blended by their own place and turn in model space, and the legs set onto them.
 //! Metres, +Y up, the character faces -Z.
 
-use bevy::{math::Affine3A, prelude::*};
+use bevy::{math::Vec3A, prelude::*};
 
 use crate::{
     anim::{
@@ -49,15 +49,18 @@ impl BlendedFeet {
 
 /// Both ankle joints of a pose of local transforms, in model space.
 pub(super) fn ankles(locals: &[JointTransform], skeleton: &Skeleton, legs: &[Leg; 2]) -> Ankles {
+    let root = rotation_of(&skeleton.model_from_root);
     [0, 1].map(|side| {
+        let (mut rotation, mut translation) = (Quat::IDENTITY, Vec3A::ZERO);
         let mut joint = Some(legs[side].foot);
-        let mut from_ankle = Affine3A::IDENTITY;
         while let Some(index) = joint {
-            from_ankle = locals[index.index()].to_affine() * from_ankle;
+            let local = &locals[index.index()];
+            translation = local.rotation * (translation * Vec3A::from(local.scale)) + Vec3A::from(local.translation);
+            rotation = local.rotation * rotation;
             joint = skeleton.parent(index);
         }
-        let model = skeleton.model_from_root * from_ankle;
-        JointTransform { translation: model.translation.into(), rotation: rotation_of(&model), scale: Vec3::ONE }
+        let translation = skeleton.model_from_root.transform_point3a(translation).into();
+        JointTransform { translation, rotation: root * rotation, scale: Vec3::ONE }
     })
 }
 
@@ -78,7 +81,7 @@ mod tests {
             ("right shin".to_owned(), Some(JointIndex(4)), step(-0.4, 0.0)),
             ("right foot".to_owned(), Some(JointIndex(5)), step(-0.4, 0.0)),
         ];
-        let root = Affine3A::from_rotation_y(1.0);
+        let root = bevy::math::Affine3A::from_rotation_y(1.0);
         let skeleton = Skeleton::new(joints, root).expect("parents come first");
         let leg = |first: u16| {
             let [upper, lower, foot] = [first, first + 1, first + 2].map(JointIndex);

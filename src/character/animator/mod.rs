@@ -5,7 +5,7 @@
 mod balance;
 mod feet;
 
-use bevy::prelude::*;
+use bevy::{prelude::*, utils::Parallel};
 
 pub use balance::{Balance, wanted_lean, wanted_stoop};
 
@@ -30,7 +30,6 @@ const HALF_LIFE_OF_FADE: f32 = 0.2;
 pub struct CharacterPose {
     /// Local transforms and model matrices of every joint; in model space all are up to date from `PoseSystems::Model` on.
     pub pose: Pose,
-    scratch: Vec<JointTransform>,
     inertializer: Inertializer,
     feet: BlendedFeet,
 }
@@ -41,21 +40,21 @@ impl CharacterPose {
     pub fn new(skeleton: &Skeleton) -> Self {
         Self {
             pose: Pose::rest(skeleton),
-            scratch: skeleton.rest().to_vec(),
             inertializer: Inertializer::new(skeleton.len()),
             feet: BlendedFeet::default(),
         }
     }
 
-    fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, dt: f32) {
+    fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Vec<JointTransform>, dt: f32) {
+        scratch.resize(asset.skeleton.len(), JointTransform::IDENTITY);
         let blends = locomotion.playing(asset).nth(1).is_some();
         let mut blend = Accumulator::new(self.pose.locals_mut());
         let mut feet = self.feet.start();
         for playing in locomotion.playing(asset) {
-            playing.clip.clip.sample(&asset.skeleton, playing.time, &mut self.scratch);
-            blend.add(&self.scratch, playing.weight);
+            playing.clip.clip.sample(&asset.skeleton, playing.time, scratch);
+            blend.add(scratch, playing.weight);
             if blends {
-                feet.add(&feet::ankles(&self.scratch, &asset.skeleton, &asset.legs), playing.weight);
+                feet.add(&feet::ankles(scratch, &asset.skeleton, &asset.legs), playing.weight);
             }
         }
         let corrects = blends && feet.finish();
@@ -99,12 +98,16 @@ fn complete(assets: CharacterAssets, mut characters: Query<(&Character, &mut Cha
 fn animate(
     time: Res<Time>,
     assets: CharacterAssets,
+    sampled: Local<Parallel<Vec<JointTransform>>>,
     mut characters: Query<(&Character, &Locomotion, &mut CharacterPose)>,
 ) {
     let dt = time.delta_secs();
-    characters.par_iter_mut().for_each(|(character, locomotion, mut pose)| {
-        if let Some(asset) = assets.get(character) {
-            pose.animate(asset, locomotion, dt);
-        }
-    });
+    characters.par_iter_mut().for_each_init(
+        || sampled.borrow_local_mut(),
+        |sampled, (character, locomotion, mut pose)| {
+            if let Some(asset) = assets.get(character) {
+                pose.animate(asset, locomotion, sampled, dt);
+            }
+        },
+    );
 }

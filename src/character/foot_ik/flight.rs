@@ -226,8 +226,8 @@ impl FootState {
         let mut deepest = self.flight.guard;
         let keeps = (CLEARS + TOUCH) * self.flight.amid() - TOUCH;
         for point in placed.sole {
-            if let Some(hit) = around.reach.at(around.probe, point) {
-                deepest = deepest.max(hit.point.y - point.y + keeps + self.droops);
+            if let Some(ground) = around.reach.height(around.probe, point) {
+                deepest = deepest.max(ground - point.y + keeps + self.droops);
             }
         }
         self.flight.guard = deepest;

@@ -19,6 +19,11 @@ pub struct GroundHit {
 pub trait Probe {
     /// The first ground below `start` within `length` metres.
     fn down(&self, start: Vec3, length: f32) -> Option<GroundHit>;
+
+    /// World height of the first ground below `start` within `length` metres.
+    fn height(&self, start: Vec3, length: f32) -> Option<f32> {
+        self.down(start, length).map(|hit| hit.point.y)
+    }
 }
 
 /// Heights between which ground is looked for.
@@ -44,10 +49,21 @@ impl Reach {
 
     /// The ground at a horizontal place; the height of `place` doesn't matter.
     pub fn at(self, probe: &impl Probe, place: Vec3) -> Option<GroundHit> {
+        let (start, length) = self.ray(place);
+        probe.down(start, length)
+    }
+
+    /// World height of the ground at a horizontal place.
+    pub fn height(self, probe: &impl Probe, place: Vec3) -> Option<f32> {
+        let (start, length) = self.ray(place);
+        probe.height(start, length)
+    }
+
+    fn ray(self, place: Vec3) -> (Vec3, f32) {
         let away = place - self.root;
         let rise = STEEPEST * Vec2::new(away.x, away.z).length();
         let start = Vec3::new(place.x, self.root.y + self.up + rise, place.z);
-        probe.down(start, self.up + self.down + 2.0 * rise)
+        (start, self.up + self.down + 2.0 * rise)
     }
 }
 
@@ -111,7 +127,7 @@ const HEEL_ROOM: f32 = 0.025;
 /// How the sole would stand with its ball over `ball`, pointing along `forward` (horizontal unit vector).
 pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, sole: SoleShape) -> Option<Footprint> {
     let under_ball = reach.at(probe, ball)?;
-    let ground = |along: f32| reach.at(probe, ball + forward * along).map_or(f32::NEG_INFINITY, |hit| hit.point.y);
+    let ground = |along: f32| reach.height(probe, ball + forward * along).unwrap_or(f32::NEG_INFINITY);
     // Along the sole: from the ball back to the heel and forward to the tip; the waist finds an edge that both straddle.
     let points = [-sole.heel, -0.5 * sole.heel, sole.tip].map(|along| (along, ground(along) - under_ball.point.y));
     let rise_of = |normal: Vec3| -normal.dot(forward) / normal.y.max(0.2);

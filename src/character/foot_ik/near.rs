@@ -4,13 +4,13 @@
 
 use arrayvec::ArrayVec;
 use avian3d::prelude::*;
-use bevy::{ecs::system::SystemParam, prelude::*};
+use bevy::{ecs::system::SystemParam, math::Vec3A, prelude::*};
 
 use super::{
     ground::{GroundHit, Probe, Reach},
     probe::{GroundFilter, NoGround, PhysicsProbe},
 };
-use crate::character::motion::{CharacterMotion, UprightField};
+use crate::character::motion::{CharacterMotion, FieldGround, UprightField};
 
 /// Colliders near one character beyond which the world is searched after all.
 const MOST: usize = 24;
@@ -48,7 +48,8 @@ struct Solid<'a> {
 pub struct NearProbe<'a, 'w, 's> {
     solids: ArrayVec<Solid<'a>, MOST>,
     /// Between these corners `solids` is all there is.
-    region: ColliderAabb,
+    least: Vec3A,
+    most: Vec3A,
     everywhere: PhysicsProbe<'a, 'w, 's>,
 }
 
@@ -58,61 +59,107 @@ impl Grounds<'_, '_> {
         let half = Vec3::new(radius, reach.tallest(radius), radius);
         let mut near = NearProbe {
             solids: ArrayVec::new_const(),
-            region: ColliderAabb::from_min_max(reach.root - half, reach.root + half),
+            least: (reach.root - half).into(),
+            most: (reach.root + half).into(),
             everywhere: PhysicsProbe::new(&self.spatial, &self.no_ground, filter),
         };
         let mut all = true;
-        self.spatial.aabb_intersections_with_aabb_callback(near.region, |entity| {
+        let region = ColliderAabb::from_min_max(reach.root - half, reach.root + half);
+        self.spatial.aabb_intersections_with_aabb_callback(region, |entity| {
             let Ok((collider, position, rotation, bounds, layers)) = self.solids.get(entity) else { return true };
             if !filter.0.test(entity, layers.copied().unwrap_or_default()) {
                 return true;
             }
             let field = collider.shape_scaled().as_heightfield();
             let field = field.and_then(|field| UprightField::new(field, position.0, rotation.0));
-            let solid =
-                Solid { entity, collider, position: position.0, rotation: *rotation, bounds: *bounds, field };
+            let solid = Solid { entity, collider, position: position.0, rotation: *rotation, bounds: *bounds, field };
             all = near.solids.try_push(solid).is_ok();
             all
         });
         if !all {
-            near.region = ColliderAabb::INVALID;
+            near.most = Vec3A::NEG_INFINITY;
         }
         near
     }
 }
 
+/// Ground of one collider.
+enum Found<'a> {
+    Field(FieldGround<'a>),
+    Cast { height: f32, normal: Vec3 },
+}
+
+impl Found<'_> {
+    fn height(&self) -> f32 {
+        match self {
+            Self::Field(ground) => ground.height,
+            Self::Cast { height, .. } => *height,
+        }
+    }
+
+    fn normal(&self) -> Vec3 {
+        match self {
+            Self::Field(ground) => ground.normal(),
+            Self::Cast { normal, .. } => *normal,
+        }
+    }
+}
+
 impl Solid<'_> {
-    /// Metres from `start` straight down to it, and its normal there, if it is nearer than `length`.
-    fn below(&self, start: Vec3, length: f32) -> Option<(f32, Vec3)> {
+    /// Its ground straight below `start`, if that is higher than `lowest`.
+    fn below(&self, start: Vec3, lowest: f32) -> Option<Found<'_>> {
         let (least, most) = (self.bounds.min, self.bounds.max);
         let misses = start.x < least.x || start.x > most.x || start.z < least.z || start.z > most.z;
-        if misses || start.y < least.y || start.y - length > most.y {
+        if misses || start.y < least.y || lowest > most.y {
             return None;
         }
-        if let Some(field) = &self.field {
-            return field.below(start).map(|(height, normal)| (start.y - height, normal));
+        let found = if let Some(field) = &self.field {
+            Found::Field(field.below(start)?)
+        } else {
+            let (from, down) = (self.position, Vec3::NEG_Y);
+            let (distance, normal) =
+                self.collider.cast_ray(from, self.rotation, start, down, start.y - lowest, false)?;
+            Found::Cast { height: start.y - distance, normal: if normal.y < 0.0 { -normal } else { normal } }
+        };
+        (found.height() > lowest).then_some(found)
+    }
+}
+
+impl NearProbe<'_, '_, '_> {
+    /// Whether all ground below `start` within `length` is known.
+    fn knows(&self, start: Vec3, length: f32) -> bool {
+        let end = Vec3A::new(start.x, start.y - length, start.z);
+        let start = Vec3A::from(start);
+        start.cmple(self.most).all() && end.cmpge(self.least).all() && end.y < start.y
+    }
+
+    /// The highest ground below `start` within `length`, and whose it is.
+    fn highest(&self, start: Vec3, length: f32) -> Option<(Found<'_>, Entity)> {
+        let mut lowest = start.y - length;
+        let mut highest = None;
+        for solid in &self.solids {
+            if let Some(found) = solid.below(start, lowest) {
+                lowest = found.height();
+                highest = Some((found, solid.entity));
+            }
         }
-        let cast = self.collider.cast_ray(self.position, self.rotation, start, Vec3::NEG_Y, length, false);
-        cast.map(|(distance, normal)| (distance, if normal.y < 0.0 { -normal } else { normal }))
+        highest
     }
 }
 
 impl Probe for NearProbe<'_, '_, '_> {
     fn down(&self, start: Vec3, length: f32) -> Option<GroundHit> {
-        let (least, most) = (self.region.min, self.region.max);
-        let inside = start.cmpge(least).all() && start.cmple(most).all() && start.y - length >= least.y;
-        if !inside || length.is_nan() || length <= 0.0 {
+        if !self.knows(start, length) {
             return self.everywhere.down(start, length);
         }
-        let mut nearest: Option<GroundHit> = None;
-        let mut left = length;
-        for solid in &self.solids {
-            let Some((distance, normal)) = solid.below(start, left).filter(|(distance, _)| *distance < left) else {
-                continue;
-            };
-            left = distance;
-            nearest = Some(GroundHit { point: start - Vec3::Y * distance, normal, entity: solid.entity });
+        let (found, entity) = self.highest(start, length)?;
+        Some(GroundHit { point: start.with_y(found.height()), normal: found.normal(), entity })
+    }
+
+    fn height(&self, start: Vec3, length: f32) -> Option<f32> {
+        if !self.knows(start, length) {
+            return self.everywhere.height(start, length);
         }
-        nearest
+        self.highest(start, length).map(|(found, _)| found.height())
     }
 }

@@ -67,8 +67,8 @@ impl Way {
                 // The lowest that the sole passes here, somewhere between its toes and its heel.
                 let balls = [at - tip, at + heel].map(|ball| ball.clamp(0.0, self.length));
                 let sole = balls.map(|ball| line.at(ball) + slope * (at - ball));
-                let hit = around.reach.at(around.probe, takeoff + self.along * at);
-                let over = hit.map_or(0.0, |hit| hit.point.y - sole[0].min(sole[1]));
+                let ground = around.reach.height(around.probe, takeoff + self.along * at);
+                let over = ground.map_or(0.0, |ground| ground - sole[0].min(sole[1]));
                 *seen = over.max(0.0) + around.config.clearance * smooth(over / OBSTACLE);
             }
         }

@@ -20,6 +20,8 @@ pub struct Fades {
     weights: Vec<f32>,
     elapsed: f32,
     seconds: f32,
+    /// Whether all weights have arrived.
+    settled: bool,
 }
 
 impl Fades {
@@ -28,7 +30,7 @@ impl Fades {
     pub fn new(count: usize, first: usize) -> Self {
         let at = |i| if i == first { 1.0 } else { 0.0 };
         let ways = (0..count).map(|i| Way { start: at(i), slope: 0.0, target: at(i) }).collect();
-        Self { ways, weights: (0..count).map(at).collect(), elapsed: 0.0, seconds: 0.0 }
+        Self { ways, weights: (0..count).map(at).collect(), elapsed: 0.0, seconds: 0.0, settled: true }
     }
 
     /// Sends all weight to `state` within `seconds`; at once for 0.
@@ -40,10 +42,14 @@ impl Fades {
         }
         self.elapsed = 0.0;
         self.seconds = seconds.max(0.0);
+        self.settled = false;
     }
 
     /// Lets `dt` seconds pass.
     pub fn advance(&mut self, dt: f32) {
+        if self.settled {
+            return;
+        }
         self.elapsed = (self.elapsed + dt.max(0.0)).min(self.seconds + 1.0);
         for index in 0..self.ways.len() {
             self.weights[index] = self.now(index).0;
@@ -52,6 +58,7 @@ impl Fades {
         if total > 0.0 {
             self.weights.iter_mut().for_each(|weight| *weight /= total);
         }
+        self.settled = self.elapsed >= self.seconds;
     }
 
     /// Weight of `state` as of the last [`Fades::advance`], 0..=1; all sum to one.

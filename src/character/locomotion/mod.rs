@@ -8,6 +8,9 @@ mod cues;
 mod facts;
 mod fade;
 mod machine;
+mod plan;
+
+use std::sync::Arc;
 
 use bevy::prelude::*;
 
@@ -32,7 +35,7 @@ pub struct Locomotion {
     pub cues: [FootCue; 2],
     /// The transition taken in this frame.
     pub taken: Option<Taken>,
-    tracks: Vec<Track>,
+    tracks: Arc<[Track]>,
     heard: Vec<Heard>,
     triggers: Vec<String>,
     grade: f32,
@@ -96,7 +99,7 @@ impl Locomotion {
             cues: Default::default(),
             taken: None,
             heard: Vec::with_capacity(tracks.len()),
-            tracks,
+            tracks: tracks.into(),
             triggers: Vec::new(),
             grade: 0.0,
             last_root: None,

@@ -17,6 +17,8 @@ pub(in crate::character) struct UprightField<'a> {
     turn: Option<Quat>,
     /// How many cells there are along the field's x and z, and how many to a metre.
     cells: Vec2,
+    /// Column and row of the last cell.
+    last: (usize, usize),
     density: Vec2,
     /// Metres of height to one of the field's.
     tall: f32,
@@ -33,28 +35,34 @@ impl<'a> UprightField<'a> {
             position,
             turn: (rotation != Quat::IDENTITY).then_some(rotation),
             cells,
+            last: (field.ncols() - 1, field.nrows() - 1),
             density: cells / Vec2::new(scale.x, scale.z),
             tall: scale.y,
         })
     }
 
-    /// Height and unit normal of the ground straight below `from`; `None` where there is none.
+    /// The ground straight below `from`; `None` where there is none.
     #[must_use]
-    pub(in crate::character) fn below(&self, from: Vec3) -> Option<(f32, Vec3)> {
+    pub(in crate::character) fn below(&self, from: Vec3) -> Option<FieldGround<'_>> {
         let away = from - self.position;
         let local = self.turn.map_or(away, |turn| turn.inverse() * away);
         // In cells, from the corner of the field.
-        let place = Vec2::new(local.x, local.z) * self.density + 0.5 * self.cells;
-        if !(place.cmpge(Vec2::ZERO).all() && place.cmple(self.cells).all()) {
+        let (x, z) = (local.x * self.density.x + 0.5 * self.cells.x, local.z * self.density.y + 0.5 * self.cells.y);
+        if !(x >= 0.0 && z >= 0.0 && x <= self.cells.x && z <= self.cells.y) {
             return None;
         }
-        let corner = place.min(self.cells - 1.0).as_usizevec2();
-        let (u, v) = (place.x - corner.x as f32, place.y - corner.y as f32);
+        let (column, row) = ((x as usize).min(self.last.0), (z as usize).min(self.last.1));
+        let (u, v) = (x - column as f32, z - row as f32);
         let heights = self.field.heights();
-        let height = |z: usize, x: usize| heights[(corner.y + z, corner.x + x)];
-        let (here, beside, behind, across) = (height(0, 0), height(0, 1), height(1, 0), height(1, 1));
+        let first = heights.flat_index(row, column);
+        let next = first + heights.nrows();
+        let (&[here, behind], &[beside, across]) =
+            (heights.data().get(first..first + 2)?, heights.data().get(next..next + 2)?)
+        else {
+            return None;
+        };
         // Each cell is two triangles: split from `here` to `across`, else from `behind` to `beside`.
-        let status = self.field.cell_status(corner.y, corner.x);
+        let status = self.field.cell_status(row, column);
         let zigzag = status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
         let left = if zigzag { v >= u } else { u + v <= 1.0 };
         let removed = [HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED, HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED];
@@ -69,12 +77,28 @@ impl<'a> UprightField<'a> {
             (false, false) => (across - behind, across - beside, beside + behind - across),
         };
         let height = (base + u * along_x + v * along_z) * self.tall;
-        if height > local.y {
-            return None;
-        }
-        let rise = Vec2::new(along_x, along_z) * self.density * self.tall;
+        let rise = Vec2::new(along_x, along_z);
+        (height <= local.y).then_some(FieldGround { field: self, height: self.position.y + height, rise })
+    }
+}
+
+/// Ground of a heightfield.
+#[derive(Clone, Copy)]
+pub(in crate::character) struct FieldGround<'a> {
+    field: &'a UprightField<'a>,
+    /// World height.
+    pub(in crate::character) height: f32,
+    /// What it rises over a whole cell along the field's x and z.
+    rise: Vec2,
+}
+
+impl FieldGround<'_> {
+    /// Unit normal, world.
+    #[must_use]
+    pub(in crate::character) fn normal(&self) -> Vec3 {
+        let rise = self.rise * self.field.density * self.field.tall;
         let normal = Vec3::new(-rise.x, 1.0, -rise.y).normalize();
-        Some((self.position.y + height, self.turn.map_or(normal, |turn| turn * normal)))
+        self.field.turn.map_or(normal, |turn| turn * normal)
     }
 }
 
@@ -107,7 +131,7 @@ mod tests {
             let ray = Ray::new(Vector::new(x, 4.0, z), Vector::new(0.0, -1.0, 0.0));
             let pose = Pose::from_parts(Vector::new(1.0, -2.0, 0.5), rotation);
             let cast = field.cast_ray_and_get_normal(&pose, &ray, 20.0, false);
-            let found = upright.below(from);
+            let found = upright.below(from).map(|ground| (ground.height, ground.normal()));
             match (found, cast) {
                 (Some((height, normal)), Some(hit)) => {
                     prop_assert!((4.0 - hit.time_of_impact - height).abs() < 1e-4, "{height} m");
@@ -124,7 +148,7 @@ mod tests {
         let field = field();
         assert!(UprightField::new(&field, Vec3::ZERO, Quat::from_rotation_x(0.01)).is_none());
         let upright = UprightField::new(&field, Vec3::ZERO, Quat::IDENTITY).expect("it stands upright");
-        assert_eq!(upright.below(Vec3::new(0.3, -1.0, 0.3)), None);
-        assert_eq!(upright.below(Vec3::NAN), None);
+        assert!(upright.below(Vec3::new(0.3, -1.0, 0.3)).is_none());
+        assert!(upright.below(Vec3::NAN).is_none());
     }
 }

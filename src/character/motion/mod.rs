@@ -40,7 +40,7 @@ use super::{
 use crate::rig::tuning::motion::MotionConfig;
 use body::MotionBody;
 use capsule::MotionShapes;
-pub(in crate::character) use field::UprightField;
+pub(in crate::character) use field::{FieldGround, UprightField};
 use space::{Space, View};
 use speed::limit_strafe;
 use tick::Tick;

@@ -1,3 +1,5 @@
+use bevy::math::Vec2;
+
 use core::f32::consts::{FRAC_PI_2, PI};
 
 use super::*;
