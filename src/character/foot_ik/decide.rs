@@ -30,6 +30,8 @@ const FALLS: f32 = 1.5;
 const TOUCHES: f32 = 0.003;
 const DOWN: f32 = 0.03;
 const THERE: f32 = 0.08;
+/// Metres by which a leg may miss its place on the ground: one that misses it by more isn't there.
+const MISSES: f32 = 0.02;
 /// Share of its time in the air from which on a foot counts as landed when its clip stands.
 const NEARLY: f32 = 0.85;
 /// Metres of a step from which on it is lifted by the whole step height.
@@ -58,7 +60,9 @@ impl FootState {
                 let config = around.config;
                 // A gait lifts the foot soon by itself.
                 let patience = if around.may_restep { 1.0 } else { PATIENCE };
-                if foot.contact < 0.9 || !around.other_holds {
+                if self.missed > MISSES {
+                    self.begin_step(Release::TooFar, foot, around);
+                } else if foot.contact < 0.9 || !around.other_holds {
                     // Half lifted already, or the only foot on the ground.
                 } else if error > patience * config.unplant_radius {
                     self.begin_step(Release::TooFar, foot, around);
@@ -71,7 +75,7 @@ impl FootState {
             Mode::Swing if foot.contact >= 0.5 || around.halts => {
                 let aside = flat(self.placed_ball - self.landing.place).length();
                 let (down, amid) = if around.halts { (TOUCHES, true) } else { (DOWN, self.flight.share() < NEARLY) };
-                if amid && (self.above > down || aside > THERE) {
+                if self.missed > MISSES || amid && (self.above > down || aside > THERE) {
                     self.finish_step(foot, aside);
                 } else {
                     self.lock(foot, around);

@@ -115,6 +115,8 @@ pub struct FootState {
     pub(super) droops: f32,
     /// How fast its leg may move.
     pub(super) pace: Pace,
+    /// Metres by which the leg didn't reach where the foot was put in the last frame.
+    pub(super) missed: f32,
     /// Metres from the sole's lowest point, in the air, down to where it will stand.
     pub(super) above: f32,
     /// Turn about +Y from the clip's foot to the placed foot, radians.

@@ -17,6 +17,8 @@ use crate::math::spring::{Spring, damp, damp_quat, remaining};
 const SETTLED: f32 = 0.1;
 /// Seconds before that over which it is moved less and less.
 const SETTLES: f32 = 0.1;
+/// Metres that it may stay behind where the clip would land by then: a body that turns back would leave it out of reach.
+const STAYS: f32 = 0.3;
 /// Metres that a place may move before its ground is probed again.
 const MOVED: f32 = 0.01;
 /// Half-life in seconds over which a landing follows what is found; shorter when little time is left.
@@ -105,6 +107,7 @@ impl Landing {
         let moved = if first { Vec3::ZERO } else { clip - self.clip };
         self.clip = clip;
         self.behind -= moved * (1.0 - follows);
+        self.behind = self.behind.clamp_length_max(STAYS);
         if follows >= 1.0 {
             self.behind *= remaining(FOLLOW, dt);
         }

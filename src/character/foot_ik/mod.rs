@@ -394,6 +394,7 @@ impl Body<'_> {
         let fastest = self.locomotion.leg_speed(self.asset).max(hurry);
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
         foot.note_droop(&pose.pose, leg, placed);
+        foot.missed = result.missed;
         result
     }
 }

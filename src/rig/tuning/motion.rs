@@ -109,7 +109,7 @@ impl Default for MotionConfig {
             air_acceleration: 3.0,
             turn_half_life: 0.07,
             turn_acceleration: 4500f32.to_radians(),
-            turn_rate: 540f32.to_radians(),
+            turn_rate: 450f32.to_radians(),
             standing_turn_rate: 120f32.to_radians(),
             radius: 0.28,
             height: 1.8,
