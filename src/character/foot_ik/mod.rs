@@ -52,8 +52,8 @@ const STILL_GROUNDED: f32 = 0.1;
 const RISING: f32 = 0.5;
 /// Reach that the pelvis leaves to a lifted heel, as a fraction of the leg.
 const HEEL_SLACK: f32 = 0.02;
-/// Half-life in seconds in which a heel that needn't be lifted any more comes down.
-const HEEL_HALF_LIFE: f32 = 0.06;
+/// How fast a heel lifts to reach, rad/s, and the half-life in seconds in which it comes down when it needn't.
+const HEEL: (f32, f32) = (10.0, 0.06);
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
@@ -373,7 +373,11 @@ impl Body<'_> {
             }
             None => 0.0,
         };
-        foot.heel = if needed > foot.heel { needed } else { damp(foot.heel, needed, HEEL_HALF_LIFE, self.dt) };
+        foot.heel = if needed > foot.heel {
+            needed.min(foot.heel + HEEL.0 * self.dt)
+        } else {
+            damp(foot.heel, needed, HEEL.1, self.dt)
+        };
         let lifted = foot.heel.max(foot.toes_down * weight);
         let lift = heel_turn(forward, lifted);
         let toes = leg.toes.map(|toes| (toes, turn_model * pose.pose.rotation(toes)));

@@ -102,6 +102,7 @@ impl FootState {
         match plant.pivot {
             Pivot::Heel if ball <= ROLLED + heel.max(0.0) => {
                 self.roll(Pivot::Ball, plant, plane, frame);
+                self.forefoot = 0.0;
                 self.lay_flat(foot, around);
             }
             Pivot::Ball if ball > ROLLED + tip.max(0.0) && tip < heel => self.roll(Pivot::Tip, plant, plane, frame),
