@@ -1,0 +1,206 @@
+//! The body that feet are placed for: where the clip has its feet, where they will land, and how a leg is set.
+//!
+//! Feet in world space, legs in model space: metres, +Y up, the character faces -Z.
+
+use bevy::prelude::*;
+
+use super::{
+    flight::ease,
+    foot::FootState,
+    ground::{Reach, SoleShape},
+    pelvis::LegReach,
+    surroundings::{AnimatedFoot, PlacedFoot},
+};
+use crate::{
+    anim::{ik::two_bone::Extension, leg::Leg},
+    character::{
+        animator::CharacterPose,
+        legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg},
+        locomotion::Locomotion,
+        motion::MotionState,
+        sole::sole_model,
+    },
+    math::{rotation::from_scaled_axis, spring::damp},
+    rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
+};
+
+/// How fast a heel lifts to reach, rad/s, and the half-life in seconds in which it comes down when it needn't.
+const HEEL: (f32, f32) = (10.0, 0.06);
+/// Seconds before a landing from which the pelvis prepares for it.
+const FORESIGHT: f32 = 0.4;
+
+/// What stays the same while one character's feet are placed.
+pub(super) struct Body<'a> {
+    pub(super) root: &'a Transform,
+    pub(super) motion: &'a MotionState,
+    pub(super) locomotion: &'a Locomotion,
+    pub(super) asset: &'a CharacterAsset,
+    pub(super) dt: f32,
+}
+
+impl Body<'_> {
+    /// Standing still: feet may correct their places.
+    pub(super) fn stands(&self) -> bool {
+        let speed = Vec2::new(self.motion.ground_velocity.x, self.motion.ground_velocity.z).length();
+        speed < 0.15 && self.locomotion.cues.iter().all(|cue| cue.contact > 0.9)
+    }
+
+    /// World height of the hips joint.
+    pub(super) fn hips(&self, pose: &CharacterPose) -> f32 {
+        (self.root.to_isometry() * pose.pose.position(self.asset.hips)).y
+    }
+
+    /// What plays from now on doesn't step; nobody halts in the air.
+    pub(super) fn halts(&self) -> bool {
+        let machine = &self.locomotion.machine;
+        self.motion.ground.is_some() && (machine.is_empty() || !machine.steps(machine.current()))
+    }
+
+    pub(super) fn reach(&self, config: &FootIkConfig) -> Reach {
+        Reach { root: self.root.translation, up: config.probe_up, down: config.probe_down }
+    }
+
+    /// The foot as the clip has it, in world space, its stride warped to the ground speed.
+    pub(super) fn animated_foot(&self, pose: &CharacterPose, side: usize, shape: SoleShape) -> AnimatedFoot {
+        let leg = &self.asset.legs[side];
+        let cue = self.locomotion.cues[side];
+        let world_from_model = self.root.to_isometry();
+        let warp = self.warp(pose, leg);
+        let ankle_model = pose.pose.position(leg.foot);
+        let shift = warp(ankle_model);
+        let sole = sole_model(&pose.pose, leg).map(|point| world_from_model * (point + shift));
+        // A foot that is about to land is already where the body's turn will have it, so that it comes to rest in the world.
+        let share = if cue.contact < 0.5 { ease(cue.swing) } else { 0.0 };
+        let from_root = sole[1] - self.root.translation;
+        let ahead = self.turn_ahead(cue.time_to_contact, share) * from_root - from_root;
+        let sole = sole.map(|point| point + ahead);
+        let [heel, ball, tip] = sole;
+        let forward = (ball - heel).with_y(0.0).normalize_or(*self.root.forward());
+        let (landing, landing_forward) = match cue.landing_model {
+            Some(ball_model) if cue.contact < 0.5 => {
+                let ankle_model = ball_model - self.root.rotation.inverse() * forward * shape.ankle;
+                self.predict(ball_model + warp(ankle_model), forward, cue.time_to_contact)
+            }
+            _ => (ball, forward),
+        };
+        AnimatedFoot {
+            ankle: world_from_model * (ankle_model + shift) + ahead,
+            clip_ankle: world_from_model * ankle_model,
+            heel,
+            ball,
+            tip,
+            floor: self.root.translation.y,
+            forward,
+            contact: cue.contact,
+            time_to_contact: cue.time_to_contact,
+            swing: cue.swing,
+            landing,
+            landing_forward,
+        }
+    }
+
+    /// Where the ball lands if the body keeps its velocity and turn for `seconds`.
+    fn predict(&self, ball_model: Vec3, forward: Vec3, seconds: f32) -> (Vec3, Vec3) {
+        let seconds = seconds.clamp(0.0, 0.6);
+        let turn = self.turn_ahead(seconds, 1.0);
+        let root = self.root.translation + self.motion.velocity.with_y(0.0) * seconds;
+        (root + turn * self.root.rotation * ball_model, turn * forward)
+    }
+
+    /// A share of the turn that the body makes in `seconds`.
+    fn turn_ahead(&self, seconds: f32, share: f32) -> Quat {
+        from_scaled_axis(Vec3::Y * ((self.motion.yaw_rate * seconds).clamp(-1.2, 1.2) * share))
+    }
+
+    /// Horizontal shift, in model space, that scales the stride about the hip along the way the body goes.
+    fn warp(&self, pose: &CharacterPose, leg: &Leg) -> impl Fn(Vec3) -> Vec3 + use<> {
+        let hip = pose.pose.position(leg.upper);
+        let way = (self.root.rotation.inverse() * self.motion.ground_velocity).with_y(0.0).normalize_or(Vec3::NEG_Z);
+        let excess = self.locomotion.machine.stride_scale() - 1.0;
+        move |point: Vec3| way * ((point - hip).dot(way) * excess)
+    }
+
+    /// A swinging leg as it will be when it lands; it counts the more the sooner that is.
+    ///
+    /// As far as it would stretch on `ground`, the height that the body rides over, it is the clip's own stretch.
+    pub(super) fn landed(
+        &self,
+        now: LegReach,
+        landing: Vec3,
+        seconds: f32,
+        ground: f32,
+        foot: &AnimatedFoot,
+    ) -> LegReach {
+        let ankle = landing + (foot.ankle - foot.ball).with_y(0.0) + Vec3::Y * self.ankle_height();
+        let hip = now.hip + self.motion.velocity.with_y(0.0) * seconds;
+        let level = ankle.with_y(ground + self.ankle_height());
+        let near = (1.0 - seconds / FORESIGHT).clamp(0.0, 1.0);
+        let weight = near * near * (3.0 - 2.0 * near);
+        LegReach { hip, ankle, animated: hip.distance(level), slack: 0.0, weight, ..now }
+    }
+
+    /// Height of the ankle over a sole that stands flat, metres: a twelfth of the leg (0.07 of 0.875 m).
+    fn ankle_height(&self) -> f32 {
+        0.08 * self.asset.leg_length
+    }
+
+    pub(super) fn solve_leg(
+        &self,
+        pose: &mut CharacterPose,
+        side: usize,
+        placed: &PlacedFoot,
+        foot: &mut FootState,
+        (weight, hurry): (f32, f32),
+        config: &FootIkConfig,
+    ) -> LegResult {
+        let (ankle_world, turn_world) = (placed.ankle, placed.turn);
+        let leg = &self.asset.legs[side];
+        let model_from_world = self.root.to_isometry().inverse();
+        let turn = Quat::IDENTITY.slerp(turn_world, weight);
+        let turn_model = model_from_world.rotation * turn * model_from_world.rotation.inverse();
+        let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
+        let animated = pose.pose.position(leg.upper).distance(pose.pose.position(leg.foot));
+        // A clip's own stretch is not resisted: level ground shows the clip as it is.
+        let soft = config.extension.0.max((animated / leg.length()).min(config.extension.1 - 0.005));
+        let ankle = model_from_world * ankle_world;
+        // The heel lifts about the toes' joint: that is where a foot bends.
+        let rest = leg.toes.unwrap_or(leg.foot);
+        let ball = ankle + turn_model * (pose.pose.position(rest) - pose.pose.position(leg.foot));
+        // Of the whole sole: at the end of a push-off the ankle stands over the toes, and beyond.
+        let forward = model_from_world.rotation * (placed.sole[1] - placed.sole[0]);
+        let needed = match leg.toes {
+            Some(_) => {
+                let share = foot.heel_may_lift() * weight;
+                heel_lift(pose.pose.position(leg.upper), ankle, ball, forward, soft * leg.length()) * share
+            }
+            None => 0.0,
+        };
+        foot.heel = if needed > foot.heel {
+            needed.min(foot.heel + HEEL.0 * self.dt)
+        } else {
+            damp(foot.heel, needed, HEEL.1, self.dt)
+        };
+        let lifted = foot.heel.max(foot.toes_down * weight);
+        let lift = heel_turn(forward, lifted);
+        let toes = leg.toes.map(|toes| (toes, turn_model * pose.pose.rotation(toes)));
+        let rotation = lift * turn_model * pose.pose.rotation(leg.foot);
+        let target = not_folded(pose.pose.position(leg.upper), ball + lift * (ankle - ball), leg.length());
+        let result = place_leg(
+            &mut pose.pose,
+            &self.asset.skeleton,
+            joints,
+            target,
+            rotation,
+            Vec3::NEG_Z,
+            Extension { soft, hard: config.extension.1 },
+        );
+        if let Some((toes, rotation)) = toes.filter(|_| lifted > 0.0) {
+            keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
+        }
+        let fastest = self.locomotion.leg_speed(self.asset).max(hurry);
+        foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
+        foot.note_droop(&pose.pose, leg, placed);
+        foot.missed = result.missed;
+        result
+    }
+}
