@@ -13,6 +13,8 @@ use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
 const FOLLOW: f32 = 0.3;
 /// How much slower the pelvis rises than it sinks: on a slope it stays where each stride needs it.
 const RISE_SLOWER: f32 = 3.0;
+/// Metres of a rise from which on it is made faster, and from which on as fast as it sinks: nobody stays on his knees.
+const KNEELS: (f32, f32) = (0.1, 0.25);
 
 /// Share of a leg's length that a foot may be aside for the pelvis to sink after it; no sinking reaches one further off.
 const ASIDE: f32 = 0.7;
@@ -151,8 +153,7 @@ impl PelvisState {
         let carried = (ride.value - floor) * weight;
         let raised = legs.map(|leg| LegReach { hip: leg.hip + Vec3::Y * carried, ..leg });
         let wanted = drop_for(&raised, config) * weight;
-        let half_life = if wanted < self.drop.value { 1.0 } else { RISE_SLOWER } * config.pelvis_half_life;
-        self.drop.step(wanted, half_life, dt);
+        self.drop.step(wanted, rise_slower(wanted - self.drop.value) * config.pelvis_half_life, dt);
         let placed = carried + self.drop.value * weight;
         let squat = floor + carried + SQUAT * legs[0].length;
         let lowest = squat.max(hips + placed - most);
@@ -160,6 +161,13 @@ impl PelvisState {
         self.note(hips + self.offset, dt);
         self.offset
     }
+}
+
+/// How much slower than sinking the pelvis rises by `rise` metres; 1 where it sinks.
+fn rise_slower(rise: f32) -> f32 {
+    let (from, to) = KNEELS;
+    let kneels = ((rise - from) / (to - from)).clamp(0.0, 1.0);
+    if rise > 0.0 { RISE_SLOWER + (1.0 - RISE_SLOWER) * kneels * kneels * (3.0 - 2.0 * kneels) } else { 1.0 }
 }
 
 /// What a frame is for the pelvis.
