@@ -3,6 +3,8 @@
 //! Layers, bottom to top; a file imports lower layers, or earlier stages of its own:
 //! [`math`] → [`anim`] → [`rig`] → [`character`] → `skinning`, [`measure`], `debug` → [`testing`] → `terrain`, `camera` → `game`.
 //!
+//! A model of your own: [Bring your own character](rig::guide).
+//!
 //! Model space everywhere: metres, +Y up, the character faces -Z.
 
 pub mod anim;

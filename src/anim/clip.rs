@@ -88,6 +88,14 @@ impl Frames {
         self.morph_start() + self.morphs.iter().map(|morph| morph.1).sum::<usize>()
     }
 
+    /// Bytes of rows and constants.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.rows.as_slice())
+            + size_of_val(self.still_rotations.as_slice())
+            + size_of_val(self.still_translations.as_slice())
+            + size_of_val(self.still_scales.as_slice())
+    }
+
     fn morph_start(&self) -> usize {
         4 * self.rotations.len() + 3 * (self.translations.len() + self.scales.len())
     }

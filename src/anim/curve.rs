@@ -62,6 +62,9 @@ pub trait CurveValue: Copy {
     fn between(from: Self, to: Self, t: f32) -> Self;
     /// Weighted sum of four values: the form of a cubic Hermite spline.
     fn weighted(values: [Self; 4], weights: [f32; 4]) -> Self;
+    /// All parts times `factor`, as a tangent is scaled.
+    #[must_use]
+    fn scaled(self, factor: f32) -> Self;
     /// Whether all parts are finite.
     fn is_finite(self) -> bool;
 }
@@ -73,6 +76,10 @@ impl CurveValue for f32 {
 
     fn weighted(values: [Self; 4], weights: [f32; 4]) -> Self {
         values.iter().zip(weights).map(|(value, weight)| value * weight).sum()
+    }
+
+    fn scaled(self, factor: f32) -> Self {
+        self * factor
     }
 
     fn is_finite(self) -> bool {
@@ -89,6 +96,10 @@ impl CurveValue for Vec3 {
         values.iter().zip(weights).map(|(&value, weight)| value * weight).sum()
     }
 
+    fn scaled(self, factor: f32) -> Self {
+        self * factor
+    }
+
     fn is_finite(self) -> bool {
         Self::is_finite(self)
     }
@@ -102,6 +113,10 @@ impl CurveValue for Quat {
     fn weighted(values: [Self; 4], weights: [f32; 4]) -> Self {
         let sum = values.iter().zip(weights).fold(Self::from_xyzw(0.0, 0.0, 0.0, 0.0), |sum, (&v, w)| sum + v * w);
         if sum.length_squared() > 1e-12 { sum.normalize() } else { values[0] }
+    }
+
+    fn scaled(self, factor: f32) -> Self {
+        self * factor
     }
 
     fn is_finite(self) -> bool {
@@ -201,11 +216,37 @@ impl<T: CurveValue> Curve<T> {
         }
     }
 
+    /// The curve `factor` times as long, which is more than 0.
+    #[must_use]
+    pub fn stretched(mut self, factor: f32) -> Self {
+        self.times.iter_mut().for_each(|time| *time *= factor);
+        if self.interpolation == Interpolation::CubicSpline {
+            // Tangents are per second.
+            for tangent in (0..self.values.len()).filter(|index| index % 3 != 1) {
+                let value = self.values[tangent];
+                self.values[tangent] = T::scaled(value, 1.0 / factor);
+            }
+        }
+        self
+    }
+
     fn key_value(&self, key: usize) -> T {
         match self.interpolation {
             Interpolation::CubicSpline => self.values[3 * key + 1],
             Interpolation::Step | Interpolation::Linear => self.values[key],
         }
+    }
+}
+
+impl Curve<Vec3> {
+    /// The curve with `by` added to every value.
+    #[must_use]
+    pub fn moved(mut self, by: Vec3) -> Self {
+        let cubic = self.interpolation == Interpolation::CubicSpline;
+        for (_, value) in self.values.iter_mut().enumerate().filter(|(index, _)| !cubic || index % 3 == 1) {
+            *value += by;
+        }
+        self
     }
 }
 

@@ -46,6 +46,17 @@ impl JointCurves {
         }
     }
 
+    /// The same motion in `factor` times the time.
+    #[must_use]
+    pub fn stretched(self, factor: f32) -> Self {
+        Self {
+            joint: self.joint,
+            rotation: self.rotation.map(|curve| curve.stretched(factor)),
+            translation: self.translation.map(|curve| curve.stretched(factor)),
+            scale: self.scale.map(|curve| curve.stretched(factor)),
+        }
+    }
+
     /// Bytes of all keys.
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -61,4 +72,13 @@ pub struct MorphCurves {
     pub node: JointIndex,
     /// One curve a morph target.
     pub weights: Vec<Curve<f32>>,
+}
+
+impl MorphCurves {
+    /// The same weights in `factor` times the time.
+    #[must_use]
+    pub fn stretched(self, factor: f32) -> Self {
+        let weights = self.weights.into_iter().map(|curve| curve.stretched(factor));
+        Self { node: self.node, weights: weights.collect() }
+    }
 }

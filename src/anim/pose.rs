@@ -101,6 +101,12 @@ impl Pose {
         }
     }
 
+    /// Model matrix of `joint` alone, from its local transform and its parent's matrix.
+    pub fn update_joint(&mut self, skeleton: &Skeleton, joint: JointIndex) {
+        let above = skeleton.parent(joint).map_or(skeleton.model_from_root, |parent| self.model[parent.index()]);
+        self.model[joint.index()] = above * self.local[joint.index()].to_affine();
+    }
+
     /// Turns `joint` by `rotation_model` (model space, about the joint) in place of its local rotation.
     /// Model matrices are stale afterwards.
     pub fn rotate_model(&mut self, skeleton: &Skeleton, joint: JointIndex, rotation_model: Quat) {

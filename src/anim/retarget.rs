@@ -1,132 +1,194 @@
-//! A clip of one skeleton played by another: same parts of a body, other joint axes, other lengths.
+//! A clip of one skeleton played by another: same parts of a body, other joint axes, other lengths, another rest pose.
 //!
-//! Joints in their parent's space; both skeletons' rest poses count as the same posture (both T, or both A).
+//! Turns are taken against the rest pose, in model space, joint by joint; what the two rest postures differ by (arms out or
+//! down) is made up for by [`Part::offset`]. The pelvis goes as far as the legs are long, and the legs are then put by IK so
+//! that each sole is as high as the source's and its ball goes the same way, scaled: contacts stay contacts.
 
 use bevy::math::{Quat, Vec3};
 
 use super::{
-    clip::{Clip, Frames},
+    clip::Clip,
+    ik::two_bone::{self, Extension, Limb},
+    leg::Leg,
     pose::Pose,
     skeleton::{JointIndex, Skeleton},
 };
+use crate::math::rotation::twist_about;
 
-/// Rest poses whose translations differ by less than this share of a joint's length are the same body.
-const SAME: f32 = 0.02;
+/// Extension from which legs resist, and the most they reach, where the source's doesn't reach farther.
+const EXTENSION: Extension = Extension { soft: 0.97, hard: 0.99 };
 
-/// How a joint's motion becomes another's.
-struct Change {
-    to: JointIndex,
-    /// `new = before * old * after` for rotations.
-    before: Quat,
-    after: Quat,
-    /// `new = to_rest + before * (old - from_rest) * length` for translations; `None` keeps the target's bone as it is.
-    length: Option<f32>,
-    from_rest: Vec3,
-    to_rest: Vec3,
+/// A joint that follows joints of another skeleton.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// The joint that is turned.
+    pub to: JointIndex,
+    /// Joints of the source; the turn lies between theirs.
+    pub from: [JointIndex; 2],
+    /// How far between: 0 as the first, 1 as the second.
+    pub between: f32,
+    /// The joint of the source against which `amount` counts: what carries the limb. `None`: level ground, for feet, so that
+    /// what is flat stays flat.
+    pub carrier: Option<JointIndex>,
+    /// Share of the turn that is taken, 1 all of it.
+    pub amount: f32,
+    /// Turn in model space from the joint's rest to where it is when the source rests.
+    pub offset: Quat,
+}
+
+/// The carrier of a body, by pairs of source and target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pelvis {
+    /// Its joint in the source.
+    pub from: JointIndex,
+    /// Its joint here.
+    pub to: JointIndex,
+    /// Legs of the source and legs here, where feet shall hold; `[left, right]`.
+    pub legs: Option<[[Leg; 2]; 2]>,
+}
+
+/// How one skeleton follows another.
+#[derive(Clone, Debug)]
+pub struct Retarget<'a> {
+    /// The source.
+    pub from: &'a Skeleton,
+    /// Who follows.
+    pub to: &'a Skeleton,
+    /// Joints that turn.
+    pub parts: Vec<Part>,
+    /// What moves the body; `None` for what has none.
+    pub pelvis: Option<Pelvis>,
+    /// Metres here for a metre of the source.
+    pub length: f32,
+    /// Share of the pelvis' motion against rest that is taken, 1 all of it.
+    pub sway: f32,
+}
+
+impl Retarget<'_> {
+    /// `clip` of the source, for who follows. Scales and the motion of joints without a part are left out.
+    #[must_use]
+    pub fn clip(&self, clip: &Clip) -> Clip {
+        let rests = [Pose::rest(self.from), Pose::rest(self.to)];
+        let mut pose = Pose::rest(self.to);
+        let partner = |node: JointIndex| self.parts.iter().find(|part| part.from[0] == node).map(|part| part.to);
+        let mut moved = clip.rebuilt(self.from, self.to, partner, |source, out| {
+            pose.locals_mut().copy_from_slice(out);
+            self.follow(&rests, source, &mut pose);
+            out.copy_from_slice(pose.locals());
+        });
+        moved.ground_speed = clip.ground_speed.map(|speed| speed * self.length);
+        moved
+    }
+
+    /// Puts `pose`, at rest, where `source` has it.
+    fn follow(&self, rests: &[Pose; 2], source: &Pose, pose: &mut Pose) {
+        let [from_rest, to_rest] = rests;
+        let turn = |joint: JointIndex| source.rotation(joint) * from_rest.rotation(joint).inverse();
+        // Parents come first, so each joint's parent has its place.
+        for joint in self.to.joints() {
+            let mut local = pose.local(joint);
+            if let Some(part) = self.parts.iter().find(|part| part.to == joint) {
+                let own = turn(part.from[0]).slerp(turn(part.from[1]), part.between);
+                let carrier = part.carrier.map_or_else(|| twist_about(own, Vec3::Y), turn);
+                let own = carrier * Quat::IDENTITY.slerp(carrier.inverse() * own, part.amount);
+                let rotation = own * part.offset * to_rest.rotation(joint);
+                local.rotation = (pose.parent_rotation(self.to, joint).inverse() * rotation).normalize();
+            }
+            if let Some(pelvis) = self.pelvis.filter(|pelvis| pelvis.to == joint) {
+                let way = source.position(pelvis.from) - from_rest.position(pelvis.from);
+                let at = to_rest.position(joint) + way * (self.length * self.sway);
+                let above = self.to.parent(joint).map_or(self.to.model_from_root, |parent| pose.model(parent));
+                local.translation = above.inverse().transform_point3(at);
+            }
+            pose.set_local(joint, local);
+            pose.update_joint(self.to, joint);
+        }
+        if let Some((pelvis, [from, to])) = self.pelvis.and_then(|pelvis| Some((pelvis, pelvis.legs?))) {
+            let forward = turn(pelvis.from) * Vec3::NEG_Z;
+            for foot in 0..2 {
+                self.hold(rests, source, [&from[foot], &to[foot]], forward, pose);
+            }
+        }
+    }
+
+    /// Puts the leg so that its ball goes the source's way, scaled, and its sole is as high.
+    fn hold(&self, rests: &[Pose; 2], source: &Pose, legs: [&Leg; 2], forward: Vec3, pose: &mut Pose) {
+        let [from, to] = legs;
+        let lowest =
+            |leg: &Leg, pose: &Pose| leg.sole().map(|point| point.position(pose).y).into_iter().reduce(f32::min);
+        let height = |leg: &Leg, pose: &Pose| lowest(leg, pose).unwrap_or_default();
+        let [from_rest, to_rest] = rests;
+        let mut wanted =
+            to.ball.position(to_rest) + (from.ball.position(source) - from.ball.position(from_rest)) * self.length;
+        wanted -= to.ball.position(pose);
+        wanted.y =
+            height(to, to_rest) + (height(from, source) - height(from, from_rest)) * self.length - height(to, pose);
+        let ankle = pose.position(to.foot) + wanted;
+        let limb = Limb {
+            root: pose.position(to.upper),
+            middle: pose.position(to.lower),
+            end: pose.position(to.foot),
+            pole: forward,
+        };
+        let stretched = source.position(from.upper).distance(source.position(from.foot)) / from.length();
+        let stretched = stretched.min(1.0);
+        let extension = Extension { soft: EXTENSION.soft.max(stretched), hard: EXTENSION.hard.max(stretched) };
+        let solution = two_bone::solve(&limb, ankle, extension);
+        let foot_rotation = pose.rotation(to.foot);
+        pose.rotate_model(self.to, to.upper, solution.upper_delta);
+        let lower = solution.lower_delta * pose.rotation(to.lower);
+        pose.update_model_below(self.to, to.upper);
+        pose.rotate_model(self.to, to.lower, lower * pose.rotation(to.lower).inverse());
+        pose.update_model_below(self.to, to.lower);
+        pose.rotate_model(self.to, to.foot, foot_rotation * pose.rotation(to.foot).inverse());
+        pose.update_model_below(self.to, to.upper);
+    }
 }
 
 impl Clip {
-    /// The clip for skeleton `to`; `pairs` are joints of `from` and who plays their part in `to`.
-    ///
-    /// Turns are taken relative to each rest pose, in model space. Joints that carry the whole body (`movers` of `to`:
-    /// hips and what is above) move by `length` times as far, others keep the lengths of their own skeleton unless
-    /// both skeletons have the same. Motion of joints without a partner, scales aside, is left out.
+    /// The clip for a skeleton that has the same joints under other numbers: `partners` are joints of `from` and of `to`.
     #[must_use]
-    pub fn retargeted(
-        &self,
-        from: &Skeleton,
-        to: &Skeleton,
-        pairs: &[(JointIndex, JointIndex)],
-        movers: &[JointIndex],
-        length: f32,
-    ) -> Self {
-        let (from_rest, to_rest) = (Pose::rest(from), Pose::rest(to));
-        let scale_of = |skeleton: &Skeleton, pose: &Pose, joint: JointIndex| {
-            let above = skeleton.parent(joint).map_or(skeleton.model_from_root, |parent| pose.model(parent));
-            above.x_axis.length().max(f32::MIN_POSITIVE)
-        };
-        let same = pairs.iter().all(|&(a, b)| {
-            let (a, b) = (from.rest()[a.index()].translation, to.rest()[b.index()].translation);
-            a.distance(b) <= SAME * a.length().max(b.length()) + 1e-4
-        });
-        let change = |joint: JointIndex| {
-            let to_joint = pairs.iter().find(|pair| pair.0 == joint)?.1;
-            let (a, b) = (from.rest()[joint.index()], to.rest()[to_joint.index()]);
-            let before = to_rest.parent_rotation(to, to_joint).inverse() * from_rest.parent_rotation(from, joint);
-            let units = scale_of(from, &from_rest, joint) / scale_of(to, &to_rest, to_joint);
-            Some(Change {
-                to: to_joint,
-                before,
-                after: a.rotation.inverse() * before.inverse() * b.rotation,
-                length: if same || movers.contains(&to_joint) { Some(length * units) } else { None },
-                from_rest: a.translation,
-                to_rest: b.translation,
-            })
-        };
-        let mut clip = Self { frames: self.frames.changed(change), ..self.clone() };
-        clip.report.bytes = clip.frames.bytes();
-        clip
-    }
-}
-
-impl Change {
-    fn rotation(&self, old: Quat) -> Quat {
-        (self.before * old * self.after).normalize()
+    pub fn renumbered(&self, from: &Skeleton, to: &Skeleton, partners: &[(JointIndex, JointIndex)]) -> Self {
+        let partner = |joint: JointIndex| partners.iter().find(|pair| pair.0 == joint).map(|pair| pair.1);
+        self.rebuilt(from, to, partner, |source, out| {
+            for &(a, b) in partners {
+                out[b.index()] = source.local(a);
+            }
+        })
     }
 
-    fn translation(&self, old: Vec3, length: f32) -> Vec3 {
-        self.to_rest + self.before * (old - self.from_rest) * length
+    /// The clip `factor` times as long.
+    #[must_use]
+    pub fn stretched(mut self, factor: f32) -> Self {
+        self.duration *= factor;
+        self.lead *= factor;
+        self.ground_speed = self.ground_speed.map(|speed| speed / factor);
+        let frames = &mut self.frames;
+        frames.rate /= factor;
+        frames.keyed_from *= factor;
+        frames.keyed = frames.keyed.drain(..).map(|keys| keys.stretched(factor)).collect();
+        frames.keyed_morphs = frames.keyed_morphs.drain(..).map(|keys| keys.stretched(factor)).collect();
+        self
     }
-}
 
-impl Frames {
-    /// Bytes of rows and constants.
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.rows.as_slice())
-            + size_of_val(self.still_rotations.as_slice())
-            + size_of_val(self.still_translations.as_slice())
-            + size_of_val(self.still_scales.as_slice())
-    }
-
-    /// Rows and constants with every joint changed, or left out where there is no change.
-    fn changed(&self, change: impl Fn(JointIndex) -> Option<Change>) -> Self {
-        let mut frames = Self { rate: self.rate, count: self.count, ..Self::default() };
-        for &(joint, rotation) in &self.still_rotations {
-            if let Some(change) = change(joint) {
-                frames.still_rotations.push((change.to, change.rotation(rotation)));
+    /// The clip with `joint` moved by `by` in its parent's space throughout.
+    #[must_use]
+    pub fn moved(mut self, skeleton: &Skeleton, joint: JointIndex, by: Vec3) -> Self {
+        let frames = &mut self.frames;
+        let (width, rotations) = (frames.width(), 4 * frames.rotations.len());
+        if let Some(place) = frames.translations.iter().position(|&other| other == joint) {
+            for row in frames.rows.chunks_exact_mut(width) {
+                let values = &mut row[rotations + 3 * place..][..3];
+                values.iter_mut().zip(by.to_array()).for_each(|(value, by)| *value += by);
             }
+        } else if let Some(still) = frames.still_translations.iter_mut().find(|still| still.0 == joint) {
+            still.1 += by;
+        } else {
+            frames.still_translations.push((joint, skeleton.rest()[joint.index()].translation + by));
         }
-        for &(joint, translation) in &self.still_translations {
-            if let Some(change) = change(joint)
-                && let Some(length) = change.length
-            {
-                frames.still_translations.push((change.to, change.translation(translation, length)));
-            }
+        for keys in frames.keyed.iter_mut().filter(|keys| keys.joint == joint) {
+            keys.translation = keys.translation.take().map(|curve| curve.moved(by));
         }
-        // (start in the old row, change): what is kept of each row, in order.
-        let mut rotations = Vec::new();
-        let mut translations = Vec::new();
-        for (place, &joint) in self.rotations.iter().enumerate() {
-            rotations.extend(change(joint).map(|change| (4 * place, change)));
-        }
-        let start = 4 * self.rotations.len();
-        for (place, &joint) in self.translations.iter().enumerate() {
-            let change = change(joint).filter(|change| change.length.is_some());
-            translations.extend(change.map(|change| (start + 3 * place, change)));
-        }
-        frames.rotations = rotations.iter().map(|(_, change)| change.to).collect();
-        frames.translations = translations.iter().map(|(_, change)| change.to).collect();
-        let width = self.width();
-        for row in self.rows.chunks_exact(width.max(1)).take(self.count) {
-            for (start, change) in &rotations {
-                let rotation = change.rotation(Quat::from_slice(&row[*start..start + 4]));
-                frames.rows.extend_from_slice(&rotation.to_array());
-            }
-            for (start, change) in &translations {
-                let old = Vec3::from_slice(&row[*start..start + 3]);
-                frames.rows.extend(change.translation(old, change.length.unwrap_or(1.0)).to_array());
-            }
-        }
-        frames
+        self
     }
 }

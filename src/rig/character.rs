@@ -6,14 +6,17 @@ use bevy::{asset::AssetPath, math::Affine3A, prelude::*};
 
 use super::{
     Rig,
-    character_file::{CharacterFile, ClipSource, Roles},
-    frame,
+    binding::Binding,
+    character_file::{CharacterFile, ClipSource},
     humanoid::{Humanoid, HumanoidError, HumanoidRole},
-    legs,
+    legs::{self, Body},
     names::{listed, suggestion},
+    retarget::{Source, Target},
+    standard_clips,
     trunk::trunk,
     tuning::{
-        locomotion::Pace,
+        foot_ik::TUNED_LEG,
+        locomotion::{Pace, StateConfig},
         ranges::{RangeError, Ranges},
     },
 };
@@ -21,6 +24,7 @@ use crate::anim::{
     clip::Clip,
     gait::{Contact, Gait},
     leg::Leg,
+    pose::Pose,
     skeleton::{JointIndex, Skeleton},
 };
 
@@ -121,6 +125,9 @@ pub enum CharacterError {
     },
 }
 
+/// Shares of the leg by which the ground of a file's clips may be off the rest pose's: below it is none, above it is meant.
+const OFF_GROUND: (f32, f32) = (0.005, 0.06);
+
 impl CharacterAsset {
     /// Puts a character together. `model` is the rig of `file.model`, `others` those of the files its clips name.
     ///
@@ -132,15 +139,16 @@ impl CharacterAsset {
         mut model: Rig,
         others: &BTreeMap<String, Rig>,
     ) -> Result<Self, CharacterError> {
-        let spelt_out: Vec<(HumanoidRole, String)> = match &file.roles {
-            Roles::Auto => Vec::new(),
-            Roles::Explicit(roles) => roles.iter().map(|(role, joint)| (*role, joint.clone())).collect(),
-        };
         let body_error = |error| CharacterError::Humanoid { model: file.model.clone(), error: Box::new(error) };
-        let humanoid = Humanoid::bind(&model.skeleton, &model.skin_joints(), &spelt_out).map_err(body_error)?;
-        let (model_from_root, _) = frame::model_from_root(&model.skeleton, &humanoid);
-        model.skeleton.model_from_root = Affine3A::from_scale(Vec3::splat(file.scale)) * model_from_root;
-        let mut legs = legs::legs(&model, &humanoid).map_err(body_error)?;
+        let mut binding = model.bind(&file.roles).map_err(body_error)?;
+        if let Some(straight) = model.straightened(&binding.humanoid) {
+            model = straight;
+            binding = model.bind(&file.roles).map_err(body_error)?;
+        }
+        let Binding { humanoid, frame, .. } = binding;
+        model.skeleton.model_from_root = Affine3A::from_scale(Vec3::splat(file.scale)) * frame.model_from_root;
+        let body = Body { skeleton: &model.skeleton, dominated: &model.dominated };
+        let mut legs = legs::legs(body, &humanoid).map_err(body_error)?;
         if let Some(soles) = &file.soles {
             legs::place_soles(&model.skeleton, &mut legs, soles, file.scale);
         }
@@ -159,6 +167,7 @@ impl CharacterAsset {
             file,
         };
         asset.clips = asset.resolve_clips(others)?;
+        asset.add_standard_clips();
         asset.complete_states()?;
         Ok(asset)
     }
@@ -188,11 +197,49 @@ impl CharacterAsset {
         gaits.min_by(|a, b| a.speed.total_cmp(&b.speed)).map_or(0.0, |gait| 0.5 * gait.leg_speed)
     }
 
+    fn target(&self) -> Target<'_> {
+        let Self { rig, skeleton, humanoid, legs, file, .. } = self;
+        Target { rig, skeleton, humanoid, legs, config: &file.retarget }
+    }
+
+    /// Clips that states lack and the mannequin has.
+    fn add_standard_clips(&mut self) {
+        let locomotion = self.file.locomotion.completed(|_| true);
+        let mut missing: Vec<&str> = locomotion.states().iter().flat_map(StateConfig::clips).collect();
+        missing.retain(|name| self.clip(name).is_none());
+        if missing.is_empty() || !self.file.standard_clips {
+            return;
+        }
+        let mannequin = standard_clips::mannequin();
+        let source = Source::new(mannequin, self.target());
+        // Bodies alike but for size move alike in times that go with the root of their lengths (Alexander 1989).
+        let pace = source.length().sqrt();
+        let found = mannequin.clips.iter().filter(|clip| missing.contains(&clip.name.as_str()));
+        let clips: Vec<CharacterClip> = found
+            .filter_map(|clip| {
+                let feet = source.gait(clip, self.turn_of(&clip.name));
+                let clip = source.clip(clip, self.target())?.stretched(pace);
+                let slower = |gait: Gait| Gait { velocity: gait.velocity / pace, ..gait };
+                Some(self.finish(&clip.name.clone(), clip, feet.map(slower), &ClipSource::default()))
+            })
+            .collect();
+        self.clips.extend(clips);
+        self.clips.sort_by(|a, b| a.name.cmp(&b.name));
+    }
+
     fn resolve_clips(&self, others: &BTreeMap<String, Rig>) -> Result<Vec<CharacterClip>, CharacterError> {
         let mut sources: BTreeMap<&str, ClipSource> =
             self.rig.clips.iter().map(|clip| (clip.name.as_str(), ClipSource::default())).collect();
         sources.extend(self.file.clips.iter().map(|(name, source)| (name.as_str(), source.clone())));
-        sources.into_iter().map(|(name, source)| self.resolve_clip(name, &source, others)).collect()
+        let mut by_file: BTreeMap<Option<&str>, Vec<CharacterClip>> = BTreeMap::new();
+        for (name, source) in &sources {
+            let clip = self.resolve_clip(name, source, others)?;
+            by_file.entry(source.file.as_deref()).or_default().push(clip);
+        }
+        by_file.values_mut().for_each(|clips| self.settle(clips));
+        let mut clips: Vec<CharacterClip> = by_file.into_values().flatten().collect();
+        clips.sort_by(|a, b| a.name.cmp(&b.name));
+        Ok(clips)
     }
 
     fn resolve_clip(
@@ -212,59 +259,72 @@ impl CharacterAsset {
             file: file.clone(),
             instead: format!("{}; clips: {}", suggestion(wanted, names()), listed(names())),
         })?;
-        let mut clip = if other.is_some() { self.retarget(name, file, rig, clip)? } else { Clip::clone(clip) };
-        clip.speed = source.speed;
-        clip.looping = source.looping.unwrap_or(clip.looping);
+        if other.is_none() {
+            return Ok(self.finish(name, Clip::clone(clip), None, source));
+        }
+        let body = Source::new(rig, self.target());
+        let moved = body.clip(clip, self.target()).ok_or_else(|| CharacterError::Foreign {
+            name: name.to_owned(),
+            file: file.clone(),
+            model: self.file.model.clone(),
+            joints: listed(clip.moving_joints().map(|joint| rig.skeleton.name(joint))),
+        })?;
+        Ok(self.finish(name, moved, body.gait(clip, self.turn_of(name)), source))
+    }
+
+    /// Radians that the root turns during the clip `name`, where a state turns by it.
+    fn turn_of(&self, name: &str) -> f32 {
+        let states = self.file.locomotion.completed(|_| true);
+        let turning = states.states().iter().filter(|state| state.clips().any(|clip| clip == name));
+        turning.filter_map(|state| if let Pace::Turn { angle } = state.pace { Some(angle) } else { None }).sum()
+    }
+
+    /// A clip as this character plays it, with what its file says of it; `feet` is what they do in the clip that it was made
+    /// from, speeds in metres here.
+    fn finish(&self, name: &str, mut clip: Clip, feet: Option<Gait>, told: &ClipSource) -> CharacterClip {
+        clip.speed = told.speed;
+        clip.looping = told.looping.unwrap_or(clip.looping);
         if clip.looping {
             clip = clip.without_lead();
         }
-        let mut gait = Gait::analyze(&clip, &self.skeleton, &self.legs);
-        if let Some((left, right)) = &source.contacts {
+        let mut gait = Gait::analyze_turning(&clip, &self.skeleton, &self.legs, self.turn_of(name));
+        if let Some(feet) = feet {
+            gait.set_contacts(feet.contacts_in_clip());
+            gait.velocity = feet.velocity;
+            gait.set_speed(feet.velocity.length(), clip.duration);
+        }
+        if let Some((left, right)) = &told.contacts {
             gait.set_contacts([contacts(left), contacts(right)]);
         }
-        if let Some(speed) = source.ground_speed.or(clip.ground_speed) {
+        if let Some(speed) = told.ground_speed.or(clip.ground_speed) {
             gait.set_speed(speed, clip.duration);
         }
-        Ok(CharacterClip { name: name.to_owned(), clip: Arc::new(clip), gait })
+        CharacterClip { name: name.to_owned(), clip: Arc::new(clip), gait }
     }
 
-    /// The clip of another file for this body: joints of the same name, else of the same role.
-    fn retarget(&self, name: &str, file: &str, rig: &Rig, clip: &Clip) -> Result<Clip, CharacterError> {
-        let own = self.rig.skin_joints();
-        let by_name = |joint: &JointIndex| {
-            let name = rig.skeleton.name(*joint);
-            let skinned = own.iter().copied().find(|&own| self.skeleton.name(own) == name);
-            skinned.or_else(|| self.skeleton.find(name)).map(|own| (*joint, own))
+    /// Puts the clips of one file on the ground, where none of them stands on the rest pose's.
+    fn settle(&self, clips: &mut [CharacterClip]) {
+        let off = |gait: &Gait| {
+            let height = gait.sole_height[0].min(gait.sole_height[1]);
+            let stands = gait.contact.iter().all(|contacts| !contacts.is_empty());
+            stands.then_some((height, height.abs() / self.leg_length))
         };
-        let mut pairs: Vec<(JointIndex, JointIndex)> =
-            rig.skeleton.joints().filter_map(|joint| by_name(&joint)).collect();
-        let mut length = 1.0;
-        let mut from = rig.skeleton.clone();
-        if let Ok(humanoid) = Humanoid::bind(&rig.skeleton, &rig.skin_joints(), &[]) {
-            for (role, joint) in humanoid.iter() {
-                if let Some(own) = self.humanoid.get(role) {
-                    pairs.retain(|pair| pair.0 != joint && pair.1 != own);
-                    pairs.push((joint, own));
-                }
-            }
-            from.model_from_root = frame::model_from_root(&rig.skeleton, &humanoid).0;
-            let rig = Rig { skeleton: from.clone(), ..rig.clone() };
-            if let Ok(legs) = legs::legs(&rig, &humanoid) {
-                length = 2.0 * self.leg_length / (legs[0].length() + legs[1].length());
-            }
+        if clips.iter().filter_map(|clip| off(&clip.gait)).any(|(_, share)| share < OFF_GROUND.0) {
+            return;
         }
-        let mut moving = clip.moving_joints().peekable();
-        if moving.peek().is_some() && !moving.any(|joint| pairs.iter().any(|pair| pair.0 == joint)) {
-            return Err(CharacterError::Foreign {
-                name: name.to_owned(),
-                file: file.to_owned(),
-                model: self.file.model.clone(),
-                joints: listed(clip.moving_joints().map(|joint| rig.skeleton.name(joint))),
-            });
+        for CharacterClip { clip, gait, .. } in clips {
+            let Some((height, _)) = off(gait).filter(|&(_, share)| share < OFF_GROUND.1) else { continue };
+            let down = self.hips_parent().transform_vector3(Vec3::NEG_Y * height);
+            *clip = Arc::new(Clip::clone(clip).moved(&self.skeleton, self.hips, down));
+            gait.sole_height = gait.sole_height.map(|sole| sole - height);
         }
-        let movers: Vec<JointIndex> =
-            self.skeleton.joints().filter(|&joint| self.skeleton.is_below(self.hips, joint)).collect();
-        Ok(clip.retargeted(&from, &self.skeleton, &pairs, &movers, length))
+    }
+
+    /// From model space to the space that the hips move in, at rest.
+    fn hips_parent(&self) -> Affine3A {
+        let rest = Pose::rest(&self.skeleton);
+        let above = self.skeleton.parent(self.hips).map_or(self.skeleton.model_from_root, |parent| rest.model(parent));
+        above.inverse()
     }
 
     /// Takes the standard states where the file lists none, and checks the names of those it lists.
@@ -279,30 +339,17 @@ impl CharacterAsset {
                 });
             }
         }
-        let locomotion = self.file.locomotion.completed(|clip| self.clip(clip).is_some());
+        let standard = self.file.locomotion.transitions.is_none();
+        let mut locomotion = self.file.locomotion.completed(|clip| self.clip(clip).is_some());
+        if standard {
+            locomotion = locomotion.paced((self.leg_length / TUNED_LEG).sqrt());
+        }
         if locomotion.states().is_empty() {
             return Err(CharacterError::NoState { model: self.file.model.clone(), clips: listed(names()) });
         }
         locomotion.check_names(&Ranges::new("locomotion."))?;
         self.file.locomotion = locomotion;
-        self.analyze_turns();
         Ok(())
-    }
-
-    /// Looks once more at the feet of clips in which the root turns: they stand while they turn back under it.
-    fn analyze_turns(&mut self) {
-        for state in self.file.locomotion.states() {
-            let Pace::Turn { angle } = state.pace else { continue };
-            for name in state.clips() {
-                let written = self.file.clips.get(name).is_some_and(|source| source.contacts.is_some());
-                let Some(turning) = self.clips.iter_mut().find(|clip| clip.name == name && !written) else { continue };
-                turning.gait = Gait::analyze_turning(&turning.clip, &self.skeleton, &self.legs, angle);
-                let written = self.file.clips.get(name).and_then(|source| source.ground_speed);
-                if let Some(speed) = written.or(turning.clip.ground_speed) {
-                    turning.gait.set_speed(speed, turning.clip.duration);
-                }
-            }
-        }
     }
 }
 

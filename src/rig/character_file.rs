@@ -16,6 +16,7 @@ use super::{
         look::LookConfig,
         motion::MotionConfig,
         ranges::{RangeError, Ranges},
+        retarget::RetargetConfig,
     },
 };
 
@@ -35,6 +36,10 @@ pub struct CharacterFile {
     /// Clips by the names that states use. Every clip of the model is there under its own name; entries here add to
     /// them or change them. Default none.
     pub clips: BTreeMap<String, ClipSource>,
+    /// Whether clips that its states lack come from this crate's mannequin, made to fit. Default true.
+    pub standard_clips: bool,
+    /// How clips of another body, the mannequin's among them, become this one's.
+    pub retarget: RetargetConfig,
     /// How the controller moves the character.
     pub motion: MotionConfig,
     /// Which clips play when.
@@ -55,6 +60,8 @@ impl Default for CharacterFile {
             roles: Roles::Auto,
             soles: None,
             clips: BTreeMap::new(),
+            standard_clips: true,
+            retarget: RetargetConfig::default(),
             motion: MotionConfig::default(),
             locomotion: LocomotionConfig::default(),
             balance: BalanceConfig::default(),
@@ -79,10 +86,11 @@ pub struct Soles {
 /// Which joint plays which part.
 #[derive(Reflect, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Roles {
-    /// By the names that VRM, Mixamo, Unity, Unreal, Blender and Rigify give. The default.
+    /// By the model's VRM map, by the names that VRM, Mixamo, Unity, Unreal, Blender, Rigify and others give, and where
+    /// these fail by what hangs where and by the shape at rest. The default.
     #[default]
     Auto,
-    /// As listed, role to joint; roles not listed go by name.
+    /// As listed, role to joint; roles not listed are found.
     Explicit(BTreeMap<HumanoidRole, String>),
 }
 
@@ -175,6 +183,7 @@ impl CharacterFile {
                 ranges.within("contacts", *end, 0.0..=1.0, "")?;
             }
         }
+        self.retarget.check(&Ranges::new("retarget."))?;
         self.motion.check(&Ranges::new("motion."))?;
         self.locomotion.check(&Ranges::new("locomotion."))?;
         self.balance.check(&Ranges::new("balance."))?;

@@ -4,7 +4,7 @@ use bevy::reflect::Reflect;
 
 use super::{
     character::CharacterAsset,
-    humanoid::{HumanoidRole, spelling},
+    humanoid::HumanoidRole,
     names::{listed, suggestion},
 };
 use crate::anim::skeleton::JointIndex;
@@ -57,8 +57,8 @@ impl JointRef {
                 }
             }),
             Self::Role(role) => asset.humanoid.get(*role).ok_or_else(|| {
-                let found: Vec<String> = asset.humanoid.iter().map(|(role, _)| spelling(role)).collect();
-                JointError::NoRole { role: spelling(*role), found: found.join(", ") }
+                let found: Vec<String> = asset.humanoid.iter().map(|(role, _)| role.spelling()).collect();
+                JointError::NoRole { role: role.spelling(), found: found.join(", ") }
             }),
         }
     }

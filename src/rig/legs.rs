@@ -5,9 +5,8 @@
 use bevy::math::Vec3;
 
 use super::{
-    Rig,
     character_file::Soles,
-    humanoid::{Humanoid, HumanoidError, HumanoidRole as Role, spelling},
+    humanoid::{Humanoid, HumanoidError, HumanoidRole as Role},
 };
 use crate::{
     anim::{
@@ -30,12 +29,19 @@ const TOE_HEIGHT: f32 = 0.025;
 /// Ball's place between heel and tip, where there are no toes.
 const BALL: f32 = 0.7;
 
-/// Both legs, `[left, right]`, of a rig whose `model_from_root` is set.
-pub(super) fn legs(rig: &Rig, humanoid: &Humanoid) -> Result<[Leg; 2], HumanoidError> {
-    let rest = Pose::rest(&rig.skeleton);
+/// A skeleton whose `model_from_root` is set, and by joint the vertices that it moves most, in joint space.
+#[derive(Clone, Copy)]
+pub(super) struct Body<'a> {
+    pub(super) skeleton: &'a Skeleton,
+    pub(super) dominated: &'a [Vec<Vec3>],
+}
+
+/// Both legs, `[left, right]`.
+pub(super) fn legs(body: Body, humanoid: &Humanoid) -> Result<[Leg; 2], HumanoidError> {
+    let rest = Pose::rest(body.skeleton);
     let left = [Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot, Role::LeftToes];
     let right = [Role::RightUpperLeg, Role::RightLowerLeg, Role::RightFoot, Role::RightToes];
-    Ok([leg(rig, humanoid, &rest, left)?, leg(rig, humanoid, &rest, right)?])
+    Ok([leg(body, humanoid, &rest, left)?, leg(body, humanoid, &rest, right)?])
 }
 
 /// Puts the soles where the file says. Points are metres of the unscaled model; the skeleton's scale applies to them.
@@ -50,7 +56,7 @@ pub(super) fn place_soles(skeleton: &Skeleton, legs: &mut [Leg; 2], soles: &Sole
     }
 }
 
-fn leg(rig: &Rig, humanoid: &Humanoid, rest: &Pose, roles: [Role; 4]) -> Result<Leg, HumanoidError> {
+fn leg(body: Body, humanoid: &Humanoid, rest: &Pose, roles: [Role; 4]) -> Result<Leg, HumanoidError> {
     let joint = |role: Role| humanoid.get(role).unwrap_or_default();
     let [upper, lower, foot] = [joint(roles[0]), joint(roles[1]), joint(roles[2])];
     let toes = humanoid.get(roles[3]);
@@ -59,16 +65,16 @@ fn leg(rig: &Rig, humanoid: &Humanoid, rest: &Pose, roles: [Role; 4]) -> Result<
     for (length, above, below) in [(thigh, 0, 1), (shin, 1, 2)] {
         if length.is_nan() || length < 1e-4 {
             return Err(HumanoidError::NoLength {
-                role: spelling(roles[below]),
-                joint: rig.skeleton.name(joint(roles[below])).to_owned(),
-                above_role: spelling(roles[above]),
-                above: rig.skeleton.name(joint(roles[above])).to_owned(),
+                role: roles[below].spelling(),
+                joint: body.skeleton.name(joint(roles[below])).to_owned(),
+                above_role: roles[above].spelling(),
+                above: body.skeleton.name(joint(roles[above])).to_owned(),
             });
         }
     }
     let thigh_from_model = rest.rotation(upper).inverse();
     let knee_axis = (thigh_from_model * knee_axis(hip, knee, ankle)).normalize();
-    let [heel, ball, tip] = sole(rig, rest, thigh + shin, foot, toes);
+    let [heel, ball, tip] = sole(body, rest, thigh + shin, foot, toes);
     let front = toes.unwrap_or(foot);
     Ok(Leg {
         upper,
@@ -98,15 +104,9 @@ fn knee_axis(hip: Vec3, knee: Vec3, ankle: Vec3) -> Vec3 {
 }
 
 /// Heel, ball and tip of a sole in model space.
-fn sole(rig: &Rig, rest: &Pose, leg: f32, foot: JointIndex, toes: Option<JointIndex>) -> [Vec3; 3] {
+fn sole(body: Body, rest: &Pose, leg: f32, foot: JointIndex, toes: Option<JointIndex>) -> [Vec3; 3] {
     let ankle = rest.position(foot);
-    let vertices: Vec<Vec3> = rig
-        .skeleton
-        .joints()
-        .filter(|&joint| rig.skeleton.is_below(joint, foot))
-        .filter_map(|joint| Some((rest.model(joint), rig.dominated.get(joint.index())?)))
-        .flat_map(|(model_from_joint, vertices)| vertices.iter().map(move |&v| model_from_joint.transform_point3(v)))
-        .collect();
+    let vertices: Vec<Vec3> = vertices_below(body, rest, foot).collect();
     let lowest = vertices.iter().map(|vertex| vertex.y).fold(f32::INFINITY, f32::min);
     let ground: Vec<Vec3> = vertices.into_iter().filter(|vertex| vertex.y < lowest + SOLE * leg).collect();
     let [back, front] = [f32::max, f32::min].map(|pick| ground.iter().map(|v| v.z).reduce(pick));
@@ -129,6 +129,13 @@ fn sole(rig: &Rig, rest: &Pose, leg: f32, foot: JointIndex, toes: Option<JointIn
     };
     let middle = |point: Vec3| if point.x.is_finite() { point } else { Vec3::new(ankle.x, point.y, point.z) };
     [middle(point(back)), middle(point(ball)), middle(point(front))]
+}
+
+/// Vertices that `joint` and what hangs below it move most, in the space of `rest`.
+pub(super) fn vertices_below<'a>(body: Body<'a>, rest: &'a Pose, joint: JointIndex) -> impl Iterator<Item = Vec3> + 'a {
+    let below = body.skeleton.joints().filter(move |&other| body.skeleton.is_below(other, joint));
+    let flesh = below.filter_map(move |joint| Some((rest.model(joint), body.dominated.get(joint.index())?)));
+    flesh.flat_map(|(model_from_joint, vertices)| vertices.iter().map(move |&v| model_from_joint.transform_point3(v)))
 }
 
 /// A sole without vertices: after the ankle, and the toes where there are any.

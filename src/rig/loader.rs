@@ -73,6 +73,8 @@ impl AssetLoader for RigLoader {
 
 /// Loads a [`CharacterAsset`] from `*.character.ron` and the glTF files it names.
 ///
+/// A model itself, `load::<CharacterAsset>("x.glb")`, makes a character with everything at its default.
+///
 /// Names are resolved here, so a wrong one is a load error, and a reload that fails keeps the last good character.
 #[derive(TypePath)]
 pub struct CharacterLoader;
@@ -141,8 +143,13 @@ async fn load_character(
 ) -> Result<CharacterAsset, CharacterLoadError> {
     let mut bytes = Vec::new();
     reader.read_to_end(&mut bytes).await?;
-    let file = CharacterFile::parse(core::str::from_utf8(&bytes)?)?;
     let base = context.path().clone();
+    if let Some(model) = bare_model(&base) {
+        let rig = read_rig(&bytes, base.clone(), context).await?;
+        let file = CharacterFile { model, ..CharacterFile::default() };
+        return Ok(CharacterAsset::resolve(file, base, rig, &BTreeMap::new())?);
+    }
+    let file = CharacterFile::parse(core::str::from_utf8(&bytes)?)?;
     let beside = |name: &str| {
         base.resolve_embed_str(name)
             .map_err(|error| CharacterLoadError::Path { name: name.to_owned(), error: error.to_string() })
@@ -156,6 +163,13 @@ async fn load_character(
         }
     }
     Ok(CharacterAsset::resolve(file, model_path, model, &others)?)
+}
+
+/// The file's name if it is a model rather than a character's file.
+fn bare_model(path: &AssetPath) -> Option<String> {
+    let extension = path.path().extension()?.to_str()?.to_lowercase();
+    let name = path.path().file_name()?.to_str()?;
+    matches!(extension.as_str(), "glb" | "gltf" | "vrm").then(|| name.to_owned())
 }
 
 /// Reads the file at `path` as a rig and makes it a dependency of the asset that is being loaded.

@@ -1,14 +1,21 @@
 //! Layer 2: bytes in, plain data out. glTF import, humanoid roles, character files.
+//!
+//! How a model of your own comes to walk: [Bring your own character](guide).
 
+pub mod binding;
 pub mod character;
 pub mod character_file;
 pub mod frame;
 pub mod gltf;
+pub mod guide;
 pub mod humanoid;
 pub mod joint_ref;
 mod legs;
 pub mod loader;
 mod names;
+mod retarget;
+mod standard_clips;
+mod straight;
 mod trunk;
 pub mod tuning;
 
@@ -45,6 +52,8 @@ pub struct Rig {
     pub notes: Vec<String>,
     /// By joint: the vertices it moves most, in joint space.
     pub(crate) dominated: Vec<Vec<Vec3>>,
+    /// Parts of the body as the model's VRM extension names them.
+    pub(crate) told_roles: Vec<(humanoid::HumanoidRole, JointIndex)>,
 }
 
 impl Rig {

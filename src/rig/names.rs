@@ -33,10 +33,12 @@ const FILLERS: [&str; 20] = [
     "skeleton",
     "rig",
     "character",
-    "valvebiped",
+    "valve",
     "biped",
     "sk",
 ];
+/// Words that tools put behind it.
+const TRAILERS: [&str; 6] = ["joint", "jnt", "bone", "bn", "bind", "skin"];
 
 impl JointName {
     /// Lower case, split at separators, capitals and digits; fillers and side taken out.
@@ -66,6 +68,9 @@ impl JointName {
             }
             after_filler = false;
         }
+        while words.len() > 1 && words.last().is_some_and(|word| TRAILERS.contains(&word.as_str())) {
+            words.pop();
+        }
         Self { side, key: words.concat() }
     }
 }
@@ -73,9 +78,12 @@ impl JointName {
 fn words_of(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
-    for letter in name.chars() {
+    let mut letters = name.chars().peekable();
+    while let Some(letter) = letters.next() {
+        // `RLeg` is a side and a leg.
+        let new_word = before.is_lowercase() || letters.peek().is_some_and(|next| next.is_lowercase());
         let starts = !letter.is_alphanumeric()
-            || letter.is_uppercase() && before.is_lowercase()
+            || letter.is_uppercase() && before.is_alphabetic() && new_word
             || letter.is_ascii_digit() != before.is_ascii_digit();
         if starts {
             words.push(String::new());
@@ -160,6 +168,13 @@ mod tests {
             ("ik_foot_l", Some(Side::Left), "ikfoot"),
             ("Armature|Hips", None, "hips"),
             ("lShin", Some(Side::Left), "shin"),
+            ("LThigh", Some(Side::Left), "thigh"),
+            ("left_upLeg_joint", Some(Side::Left), "upleg"),
+            ("R_Foot_JNT", Some(Side::Right), "foot"),
+            ("ValveBiped.Bip01_L_Thigh", Some(Side::Left), "thigh"),
+            ("CC_Base_L_ToeBase", Some(Side::Left), "toebase"),
+            ("Left knee", Some(Side::Left), "knee"),
+            ("Bone_07", None, ""),
         ] {
             let found = JointName::parse(name);
             assert_eq!((found.side, found.key.as_str()), (side, key), "{name}");

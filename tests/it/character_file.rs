@@ -17,7 +17,7 @@ use surefoot::{
     rig::{Rig, character::CharacterAsset, character_file::CharacterFile, humanoid::HumanoidRole, loader::RigPlugin},
 };
 
-use crate::gltf_file::Body;
+use crate::gltf_file::{Body, triangle};
 
 fn rig_of(body: &Body) -> Rig {
     Rig::from_slice(&body.build().glb(), |_| Err("no files".to_owned())).expect("the body is good")
@@ -136,7 +136,7 @@ fn size_scales_legs_and_soles() {
 
 #[test]
 fn clips_bring_their_gait() {
-    let text = r#"(clips: {"stroll": (clip: "walk", speed: 0.5, looping: false), "walk": (ground_speed: 2.0)})"#;
+    let text = r#"(standard_clips: false, clips: {"stroll": (clip: "walk", speed: 0.5, looping: false), "walk": (ground_speed: 2.0)})"#;
     let asset = resolve(text, &Body::default()).expect("the body is good");
     let names: Vec<_> = asset.clips().iter().map(|clip| clip.name.as_str()).collect();
     assert_eq!(names, ["idle", "run", "stroll", "walk"]);
@@ -157,7 +157,7 @@ fn clips_of_another_body_follow_its_names_or_its_parts() {
     let other = Body {
         names: ["pelvis", "thigh_l", "calf_l", "foot_l", "ball_l", "thigh_r", "calf_r", "foot_r", "ball_r"],
         size: 2.0,
-        mesh: true,
+        ..Body::default()
     };
     let text = r#"(clips: {"march": (file: "other.glb", clip: "walk")})"#;
     let file = CharacterFile::parse(text).expect("the text is good");
@@ -191,7 +191,7 @@ fn wrong_names_are_errors_with_the_right_ones() {
     let field = fault("(\n  mottion: (),\n)");
     assert!(field.starts_with("line 2, column "), "{field}");
     assert!(field.contains("`mottion`") && field.contains("(did you mean `motion`?)"), "{field}");
-    let transition = r#"(locomotion: (transitions: [(to: "wlak", when: SpeedAbove(1.0))]))"#;
+    let transition = r#"(standard_clips: false, locomotion: (transitions: [(to: "wlak", when: SpeedAbove(1.0))]))"#;
     assert_eq!(
         fault(transition),
         "`locomotion.transitions[0].to` is `wlak`; valid is one of `idle`, `run`, `strafe`, `walk` (did you mean `walk`?)"
@@ -219,13 +219,16 @@ fn values_out_of_range_say_what_is_valid() {
 
 #[test]
 fn parts_that_are_missing_are_listed_with_what_was_found() {
-    let mut names = Body::default().names;
-    names[3] = "hoof";
-    let error = resolve("()", &Body { names, ..Body::default() }).expect_err("no left foot");
-    assert!(error.starts_with("`mannequin.glb`: no joint found for leftFoot; found by name: hips = `hips`"), "{error}");
-    assert!(error.contains("`hoof`"), "{error}");
-    let asset = resolve(r#"(roles: Explicit({leftFoot: "hoof"}))"#, &Body { names, ..Body::default() });
-    assert!(asset.is_ok(), "{:?}", asset.err());
+    let rig = Rig::from_slice(&triangle().glb(), |_| Err("no files".to_owned())).expect("it is no body, but a rig");
+    let file = CharacterFile::parse("()").expect("the text is good");
+    let error =
+        CharacterAsset::resolve(file, "sail.glb".into(), rig, &BTreeMap::new()).expect_err("a sail has no legs");
+    let error = error.to_string();
+    assert!(
+        error.starts_with("`mannequin.glb`: no joint found for hips, leftUpperLeg, leftLowerLeg, leftFoot"),
+        "{error}"
+    );
+    assert!(error.contains("found: nothing; joints of the skin: `root`, `tip`"), "{error}");
 }
 
 /// An app with files in memory.

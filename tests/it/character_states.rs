@@ -7,7 +7,7 @@ use crate::{
 
 #[test]
 fn standard_states_without_a_clip_are_left_out_with_their_transitions() {
-    let asset = resolve("()", &Body::default()).expect("idle, walk and run are enough");
+    let asset = resolve("(standard_clips: false)", &Body::default()).expect("idle, walk and run are enough");
     let states: Vec<_> = asset.file.locomotion.states().iter().map(|state| state.name.as_str()).collect();
     assert_eq!(states, ["idle", "walk", "run", "strafe"]);
     assert_eq!(asset.file.locomotion.states()[3].blend, ["walk", "run"]);

@@ -127,6 +127,8 @@ pub struct Body {
     pub names: [&'static str; 9],
     /// Stature as a factor of 1.8 m.
     pub size: f32,
+    /// Length of its feet as a factor.
+    pub feet: f32,
     /// Whether it carries feet as a mesh.
     pub mesh: bool,
 }
@@ -144,14 +146,14 @@ impl Default for Body {
             "rightFoot",
             "rightToes",
         ];
-        Self { names, size: 1.0, mesh: true }
+        Self { names, size: 1.0, feet: 1.0, mesh: true }
     }
 }
 
 impl Body {
     /// A humanoid in glTF's axes (faces +Z, its left is +X) with clips `idle`, `walk` and `run`.
     ///
-    /// Feet are boxes from 6 cm behind the ankle to 20 cm before it, soles at 0.
+    /// Feet are boxes from 6 cm behind the ankle to 20 cm before it, times `feet`, soles at 0.
     pub fn build(&self) -> GltfFile {
         let mut file = GltfFile::new();
         let scaled = |x: f32, y: f32, z: f32| [x * self.size, y * self.size, z * self.size];
@@ -165,7 +167,7 @@ impl Body {
             node(self.names[side], scaled(x, 0.0, 0.0), &[side + 2]);
             node(self.names[side + 1], scaled(0.0, -0.44, 0.005), &[side + 3]);
             node(self.names[side + 2], scaled(0.0, -0.44, -0.005), &[side + 4]);
-            node(self.names[side + 3], scaled(0.0, -0.05, 0.13), &[]);
+            node(self.names[side + 3], scaled(0.0, -0.05, 0.13 * self.feet), &[]);
         }
         node("head", scaled(0.0, 0.7, 0.0), &[]);
         file.root["nodes"].as_array_mut().expect("nodes").iter_mut().for_each(|node| {
@@ -188,7 +190,11 @@ impl Body {
                 for (joint, back, front) in [(foot, -0.06, 0.13), (foot + 1, 0.13, 0.2)] {
                     for corner in 0..8 {
                         let pick = |bit: usize, a: f32, b: f32| if corner >> bit & 1 == 0 { a } else { b };
-                        positions.extend(scaled(x + pick(0, -0.04, 0.04), pick(1, 0.0, 0.08), pick(2, back, front)));
+                        positions.extend(scaled(
+                            x + pick(0, -0.04, 0.04),
+                            pick(1, 0.0, 0.08),
+                            self.feet * pick(2, back, front),
+                        ));
                         slots.push([joint as u8, 0, 0, 0]);
                     }
                 }
@@ -239,7 +245,7 @@ impl Body {
             0 => (0.0, 0.0),
             3 | 7 => (0.51, 0.005),
             4 | 8 => (0.07, 0.0),
-            5 | 9 => (0.02, 0.13),
+            5 | 9 => (0.02, 0.13 * self.feet),
             10 => (1.65, 0.0),
             _ => (0.95, 0.0),
         };

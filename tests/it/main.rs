@@ -11,6 +11,7 @@ mod character_states;
 mod clips;
 mod determinism;
 mod feet;
+mod foreign;
 mod gltf_file;
 mod layers;
 mod locomotion;

@@ -1,6 +1,7 @@
 //! Exact curves → [`Clip`]: uniform frames at the lowest rate that is true enough, constant channels taken out.
 
 mod keyed;
+mod rebuild;
 
 use bevy::math::{Quat, Vec3, Vec3A};
 

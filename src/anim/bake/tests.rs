@@ -4,7 +4,11 @@ use bevy::math::{Affine3A, ops};
 
 use super::*;
 use crate::{
-    anim::{curve::Curve, skeleton::JointIndex},
+    anim::{
+        curve::Curve,
+        retarget::{Part, Pelvis, Retarget},
+        skeleton::JointIndex,
+    },
     math::rotation::angle_between,
 };
 
@@ -152,8 +156,23 @@ fn clips_of_a_twin_with_other_axes_look_the_same() {
     let moves = vec![Vec3::ZERO, Vec3::X];
     curves.joints[0].translation = Some(Curve::new(vec![0.0, 1.0], moves, Interpolation::Linear).unwrap());
     let clip = curves.bake(&arm());
-    let pairs = [0, 1, 2].map(|joint| (JointIndex(joint), JointIndex(joint)));
-    let foreign = clip.retargeted(&arm(), &twin, &pairs, &[JointIndex(0)], 2.0);
+    let part = |joint: u16| Part {
+        to: JointIndex(joint),
+        from: [JointIndex(joint); 2],
+        between: 0.0,
+        carrier: Some(JointIndex(joint)),
+        amount: 1.0,
+        offset: Quat::IDENTITY,
+    };
+    let retarget = Retarget {
+        from: &arm(),
+        to: &twin,
+        parts: [0, 1, 2].map(part).to_vec(),
+        pelvis: Some(Pelvis { from: JointIndex(0), to: JointIndex(0), legs: None }),
+        length: 2.0,
+        sway: 1.0,
+    };
+    let foreign = retarget.clip(&clip);
     let (mut own, mut other) = (Pose::rest(&arm()), Pose::rest(&twin));
     for time in [0.0, 0.3, 0.8, 1.0] {
         clip.sample(&arm(), time, own.locals_mut());
@@ -162,6 +181,52 @@ fn clips_of_a_twin_with_other_axes_look_the_same() {
         other.update_model(&twin);
         let (want, got) = (2.0 * own.position(JointIndex(2)), other.position(JointIndex(2)));
         assert!(got.distance(want) < 1e-3, "wrist at {got}, not {want}, at {time} s");
+    }
+}
+
+#[test]
+fn a_stretched_clip_is_the_same_motion_in_more_time() {
+    let mut clip = turning(vec![0.0, 1.0], &[0.0, 1.0], Interpolation::Linear).bake(&arm());
+    clip.ground_speed = Some(3.0);
+    let slow = clip.clone().stretched(1.5);
+    assert_eq!((slow.duration, slow.ground_speed), (1.5, Some(2.0)));
+    for time in [0.0, 0.31, 0.7, 1.0] {
+        let turned = angle_between(sampled(&clip, time)[0].rotation, sampled(&slow, 1.5 * time)[0].rotation);
+        assert!(turned < 1e-3, "off by {turned} rad at {time} s");
+    }
+}
+
+#[test]
+fn a_stretched_clip_jumps_as_much_later() {
+    let clip = turning(vec![0.0, 0.517, 1.0], &[0.0, 1.2, 0.0], Interpolation::Step).bake(&arm()).stretched(2.0);
+    for (time, angle) in [(1.032, 0.0), (1.036, 1.2), (1.998, 1.2)] {
+        let error = angle_between(sampled(&clip, time)[0].rotation, Quat::from_rotation_z(angle));
+        assert!(error < 1e-5, "off by {error} rad at {time} s");
+    }
+}
+
+#[test]
+fn a_moved_clip_is_the_same_motion_elsewhere() {
+    let by = Vec3::new(0.3, -0.2, 0.1);
+    let places = |interpolation| {
+        let values = match interpolation {
+            Interpolation::CubicSpline => vec![Vec3::ZERO, Vec3::Y, Vec3::X, Vec3::X, 2.0 * Vec3::Y, Vec3::ZERO],
+            _ => vec![Vec3::Y, 2.0 * Vec3::Y],
+        };
+        let mut curves = turning(vec![0.0, 1.0], &[0.0, 0.5], Interpolation::Linear);
+        curves.joints[0].translation = Some(Curve::new(vec![0.0, 0.7], values, interpolation).unwrap());
+        curves.bake(&arm())
+    };
+    let still = turning(vec![0.0, 1.0], &[0.0, 0.5], Interpolation::Linear).bake(&arm());
+    for clip in [still, places(Interpolation::Step), places(Interpolation::Linear), places(Interpolation::CubicSpline)]
+    {
+        let moved = clip.clone().moved(&arm(), JointIndex(0), by);
+        for time in [0.0, 0.31, 0.69, 0.71, 1.0] {
+            let (before, after) = (sampled(&clip, time), sampled(&moved, time));
+            let off = (after[0].translation - before[0].translation).distance(by);
+            assert!(off < 1e-6, "off by {off} m at {time} s");
+            assert_eq!((after[0].rotation, after[1]), (before[0].rotation, before[1]), "only one place changes");
+        }
     }
 }
 

@@ -76,6 +76,19 @@ impl Gait {
         self.strides = u16::try_from(strides).unwrap_or(u16::MAX);
     }
 
+    /// Stances as shares of the clip's duration, as [`Gait::set_contacts`] takes them.
+    #[must_use]
+    pub fn contacts_in_clip(&self) -> [Vec<Contact>; 2] {
+        self.contact.clone().map(|contacts| {
+            let moved = |contact: &Contact| {
+                let length = contact.end - contact.start;
+                let start = if length < 1.0 { wrapped(contact.start + self.phase_offset) } else { 0.0 };
+                Contact { start, end: start + length }
+            };
+            contacts.iter().map(moved).collect()
+        })
+    }
+
     /// Takes `speed` (m/s) for the speed over ground of a clip of `duration` seconds; forward if it had none.
     pub fn set_speed(&mut self, speed: f32, duration: f32) {
         self.velocity = direction_or(self.velocity, Vec3::NEG_Z) * speed;

@@ -3,14 +3,11 @@
 use core::fmt::Write;
 
 use super::subject::Subject;
-use crate::{
-    anim::clip::Clip,
-    rig::{Rig, humanoid::Humanoid},
-};
+use crate::anim::clip::Clip;
 
 /// The whole report, lines that end in a line feed.
 pub(super) fn of(subject: &Subject) -> String {
-    let Subject { name, rig, walker, .. } = subject;
+    let Subject { name, rig, binding, walker, .. } = subject;
     let morphs = rig.meshes.iter().map(|mesh| mesh.morph_weights.len()).sum();
     let mut text = format!(
         "{name}: {}, {}, {}, {}, {}\n",
@@ -23,33 +20,23 @@ pub(super) fn of(subject: &Subject) -> String {
     for clip in &rig.clips {
         line(&mut text, &clip_line(clip));
     }
-    for note in &rig.notes {
-        line(&mut text, &format!("note: {note}"));
-    }
-    text.push_str(&binding(rig));
+    line(&mut text, binding.to_string().trim_end());
     line(
         &mut text,
         &match walker {
             Ok(walker) => {
                 let states: Vec<_> = walker.file.locomotion.states().iter().map(|state| state.name.as_str()).collect();
-                format!("it walks; states: {}", states.join(", "))
+                let (states, scale) = (states.join(", "), walker.file.scale);
+                let own_size = scale.to_bits() == 1f32.to_bits();
+                let size =
+                    if own_size { String::new() } else { format!(", {scale:.3} times as large to fit the course") };
+                format!("it walks{size}; states: {states}")
             }
+            // What the body lacks is told above.
+            Err(_) if !binding.is_bound() => "it does not walk".to_owned(),
             Err(error) => format!("it does not walk: {error}"),
         },
     );
-    text
-}
-
-fn binding(rig: &Rig) -> String {
-    let mut text = String::new();
-    match Humanoid::bind(&rig.skeleton, &rig.skin_joints(), &[]) {
-        Ok(humanoid) => {
-            for (role, joint) in humanoid.iter() {
-                line(&mut text, &format!("  {role:?}: {}", rig.skeleton.name(joint)));
-            }
-        }
-        Err(error) => line(&mut text, &format!("no body: {error}")),
-    }
     text
 }
 

@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeMap,
+    ops::RangeInclusive,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -15,8 +16,9 @@ use crate::{
     game::level::Cast,
     rig::{
         Rig,
+        binding::BindingReport,
         character::{CharacterAsset, CharacterError},
-        character_file::CharacterFile,
+        character_file::{CharacterFile, Roles},
     },
     skinning::SkinnedModel,
     testing::peer::{PeerError, load_rig},
@@ -24,6 +26,10 @@ use crate::{
 
 /// Name of the asset source that is the model's folder.
 const SOURCE: &str = "view";
+/// Metres of stature for which the course is built; others are brought to [`STATURE`].
+const STATURES: RangeInclusive<f32> = 1.2..=2.2;
+/// Stature of the mannequin, metres.
+const STATURE: f32 = 1.8;
 
 /// A model and what it can do.
 pub(in crate::game) struct Subject {
@@ -32,7 +38,9 @@ pub(in crate::game) struct Subject {
     folder: PathBuf,
     /// As read.
     pub(in crate::game) rig: Rig,
-    /// Everything that walking takes, or why it does not walk.
+    /// Which joint plays which part.
+    pub(in crate::game) binding: BindingReport,
+    /// Everything that walking takes, at a size that fits the course, or why it does not walk.
     pub(in crate::game) walker: Result<CharacterAsset, CharacterError>,
 }
 
@@ -66,9 +74,12 @@ impl Subject {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
-        let character = CharacterFile { model: name.clone(), ..CharacterFile::default() };
+        let binding = BindingReport::new(&rig, &Roles::Auto);
+        let stature = binding.body.as_ref().map_or(STATURE, |body| body.stature);
+        let scale = if STATURES.contains(&stature) { 1.0 } else { STATURE / stature };
+        let character = CharacterFile { model: name.clone(), scale, ..CharacterFile::default() };
         let walker = CharacterAsset::resolve(character, asset_path(&name), rig.clone(), &BTreeMap::new());
-        Ok(Self { name, folder, rig, walker })
+        Ok(Self { name, folder, rig, binding, walker })
     }
 
     /// Whether it walks.

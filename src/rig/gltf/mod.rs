@@ -10,12 +10,12 @@ mod influences;
 mod meshes;
 mod nodes;
 mod skins;
+mod vrm;
 
 use std::sync::Arc;
 
 use self::{accessor::Source, container::Container, error::RigError};
-use super::{Rig, frame, humanoid::Humanoid};
-use crate::anim::skeleton::JointIndex;
+use super::{Rig, character_file::Roles, frame};
 
 impl Rig {
     /// Reads `.glb` or `.gltf` bytes; `resolve` gives the bytes behind the path of a buffer in another file.
@@ -40,24 +40,24 @@ impl Rig {
         let mut notes = Vec::new();
         let (meshes, vertices) = meshes::read(&source, &nodes, &mut skins, &mut notes)?;
         let curves = clips::read(&source, &nodes)?;
-        let mut skeleton = nodes.skeleton;
-        let skin_joints: Vec<JointIndex> = skins.iter().flat_map(|skin| &skin.joints).copied().collect();
-        // A file that is no humanoid keeps glTF's own axes.
-        if let Ok(humanoid) = Humanoid::bind(&skeleton, &skin_joints, &[]) {
-            let (model_from_root, note) = frame::model_from_root(&skeleton, &humanoid);
-            skeleton.model_from_root = model_from_root;
-            notes.extend(note);
-        }
-        let clips = curves.iter().map(|curves| Arc::new(curves.bake(&skeleton))).collect();
-        Ok(Self {
-            skeleton,
+        let told_roles = vrm::roles(&container.json, &nodes);
+        let mut rig = Self {
+            skeleton: nodes.skeleton,
             node_joints: nodes.joints,
             skins,
             meshes,
-            clips,
+            clips: Vec::new(),
             joint_bounds: vertices.bounds,
             dominated: vertices.dominated,
+            told_roles,
             notes,
-        })
+        };
+        // A file that is no humanoid keeps glTF's own axes.
+        if let Ok(binding) = rig.bind(&Roles::Auto) {
+            rig.skeleton.model_from_root = binding.frame.model_from_root;
+            rig.notes.extend(binding.frame.notes);
+        }
+        rig.clips = curves.iter().map(|curves| Arc::new(curves.bake(&rig.skeleton))).collect();
+        Ok(rig)
     }
 }

@@ -86,7 +86,7 @@ impl Default for FootIkConfig {
 }
 
 /// Leg length in metres that the lengths are meant for.
-const TUNED_LEG: f32 = 0.875;
+pub const TUNED_LEG: f32 = 0.875;
 
 impl FootIkConfig {
     /// The same tuning for a leg of `length` metres: lengths scale, times and angles stay.

@@ -13,7 +13,7 @@ pub struct LocomotionConfig {
     /// their clips exist.
     pub states: Option<Vec<StateConfig>>,
     /// Transitions, tried in order; the first whose condition holds is taken. Default `None`: the standard ones, as far as
-    /// their states exist.
+    /// their states exist; their speeds go with the root of the leg's length.
     pub transitions: Option<Vec<TransitionConfig>>,
     /// Slowest and fastest playback rate of a clip that follows the ground speed. Default (0.75, 1.2).
     ///
@@ -151,6 +151,17 @@ pub enum Condition {
     All(#[reflect(ignore)] Vec<Condition>),
 }
 
+impl Condition {
+    /// Multiplies speeds over ground.
+    fn pace(&mut self, factor: f32) {
+        match self {
+            Self::SpeedAbove(speed) | Self::SpeedBelow(speed) => *speed *= factor,
+            Self::All(conditions) => conditions.iter_mut().for_each(|condition| condition.pace(factor)),
+            _ => {}
+        }
+    }
+}
+
 impl Default for LocomotionConfig {
     fn default() -> Self {
         Self {
@@ -175,6 +186,15 @@ impl LocomotionConfig {
     #[must_use]
     pub fn transitions(&self) -> &[TransitionConfig] {
         self.transitions.as_deref().unwrap_or_default()
+    }
+
+    /// The same with every speed of its transitions times `factor`.
+    #[must_use]
+    pub fn paced(mut self, factor: f32) -> Self {
+        for transition in self.transitions.iter_mut().flatten() {
+            transition.when.pace(factor);
+        }
+        self
     }
 
     /// The same with standard lists in place of those left out: states whose clip exists, transitions between states that

@@ -7,4 +7,5 @@ pub mod locomotion;
 pub mod look;
 pub mod motion;
 pub mod ranges;
+pub mod retarget;
 pub mod standard;

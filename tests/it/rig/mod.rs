@@ -2,6 +2,7 @@
 
 mod clips;
 mod containers;
+mod malformed;
 mod skeletons;
 #[expect(clippy::float_cmp, reason = "numbers come out as they went in")]
 mod vertices;
