@@ -25,7 +25,7 @@ use crate::{
 };
 
 /// How fast a heel lifts to reach, rad/s, and the half-life in seconds in which it comes down when it needn't.
-const HEEL: (f32, f32) = (10.0, 0.06);
+const HEEL: (f32, f32) = (8.0, 0.06);
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
