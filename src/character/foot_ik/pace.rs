@@ -14,6 +14,8 @@ use crate::{
 const LIVELIER: f32 = 1.9;
 /// Seconds in which a leg at rest may come to move as fast as it may.
 const STARTS: f32 = 0.025;
+/// Seconds for which a leg that has come down still moves as in the air.
+const LANDS: f32 = 0.02;
 /// Share of what is asked by which a leg that is late makes more of it in every frame, until it has caught up.
 const CATCHES_UP: f32 = 0.25;
 
@@ -24,6 +26,8 @@ pub(super) struct Pace {
     /// Angular velocities of hip, knee and ankle, rad/s.
     speeds: [Vec3; 3],
     toes: Option<Quat>,
+    /// Seconds since it stands.
+    stands: f32,
     /// Whether it is behind what was asked.
     late: bool,
     /// Share of what was asked that hip and knee, and the ankle, made in the last frame.
@@ -77,7 +81,8 @@ impl Pace {
         // Hip and knee together, so that the foot keeps to its way; the ankle by itself.
         let before = self.shares.unwrap_or([1.0; 2]);
         let shares = [shares[0].min(shares[1]).min(before[0] + CATCHES_UP), shares[2].min(before[1] + CATCHES_UP)];
-        self.late = (flies || self.late) && shares[0].min(shares[1]) < 1.0;
+        self.stands = if flies { 0.0 } else { self.stands + dt };
+        self.late = (self.stands < LANDS || self.late) && shares[0].min(shares[1]) < 1.0;
         self.shares = None;
         if let Some(last) = self.last.filter(|_| self.late) {
             self.shares = Some(shares.map(|share| share.min(1.0)));
