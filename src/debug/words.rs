@@ -11,7 +11,6 @@ pub fn reason(release: Release) -> &'static str {
         Release::TooFar => "let go: too far away",
         Release::Turned => "let go: turned too far",
         Release::Restep => "let go: off its place",
-        Release::NoRoom => "let go: no room",
         Release::LostGround => "let go: ground is gone",
         Release::Reset => "let go: reset",
     }

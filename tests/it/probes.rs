@@ -16,7 +16,7 @@ fn assert_same_ground(world: &World) {
     stage.run_for(0.3);
     let root = stage.root(walker);
     let filter = stage.get::<GroundFilter>(walker).cloned().expect("a walker's feet know what is ground");
-    let reach = Reach { root, up: 0.5, down: 0.7 };
+    let reach = Reach { root, up: 0.5, down: 0.7, upright: 0.6 };
     let app = stage.app();
     let mut state = SystemState::<(Grounds, SpatialQuery, Query<(), NoGround>)>::new(app.world_mut());
     let (grounds, spatial, no_ground) = state.get(app.world()).expect("the world has colliders");
@@ -61,7 +61,7 @@ fn characters_are_no_ground_for_each_other() {
     let app = stage.app();
     let mut state = SystemState::<Grounds>::new(app.world_mut());
     let grounds = state.get(app.world()).expect("the world has colliders");
-    let reach = Reach { root: other, up: 3.0, down: 3.0 };
+    let reach = Reach { root: other, up: 3.0, down: 3.0, upright: 0.6 };
     let hit = reach.at(&grounds.near(&filter, reach, 1.0), other).expect("a floor");
     assert!(hit.point.y.abs() < 0.01, "the ground is {} m high where another character stands", hit.point.y);
 }

@@ -2,7 +2,7 @@
 //!
 //! Feet in world space, legs in model space: metres, +Y up, the character faces -Z.
 
-use bevy::prelude::*;
+use bevy::{math::ops, prelude::*};
 
 use super::{
     flight::ease,
@@ -57,7 +57,12 @@ impl Body<'_> {
     }
 
     pub(super) fn reach(&self, config: &FootIkConfig) -> Reach {
-        Reach { root: self.root.translation, up: config.probe_up, down: config.probe_down }
+        Reach {
+            root: self.root.translation,
+            up: config.probe_up,
+            down: config.probe_down,
+            upright: ops::cos(config.walkable),
+        }
     }
 
     /// The foot as the clip has it, in world space, its stride warped to the ground speed.

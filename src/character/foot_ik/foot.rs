@@ -50,8 +50,6 @@ pub enum Release {
     Turned,
     /// It stood off its place while the character stands.
     Restep,
-    /// It came down on an edge.
-    NoRoom,
     /// The ground under it is gone.
     LostGround,
     /// The character was put elsewhere, or left the ground.
@@ -286,7 +284,6 @@ impl FootState {
             turn,
             sole: [heel, ball, tip].map(|offset| ankle + offset),
             plane,
-            base: self.base,
             takeoff: self.placed_ball.with_y(self.base),
             landing: None,
         }

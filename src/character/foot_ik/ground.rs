@@ -36,6 +36,8 @@ pub struct Reach {
     pub up: f32,
     /// Metres below it at which they end.
     pub down: f32,
+    /// Least height of a unit normal of ground that a foot stands on: the cosine of the steepest.
+    pub upright: f32,
 }
 
 /// Rise over run that ground may have on the way from the root to a place: steep stairs have 0.9.
@@ -146,8 +148,9 @@ pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, so
     let edge = drop(FOOTING).max(drop(-FOOTING));
     let stuck = over(judged).into_iter().map(|point| point.1).fold(0.0, f32::max);
     let behind = ground(-sole.heel - HEEL_ROOM) - under_ball.point.y + slope * (sole.heel + HEEL_ROOM);
-    // On the brink is bad, in a riser worse.
-    let stuck = if edge.max(behind) > PITCHED { stuck.max(2.0 * TOLERATED) } else { stuck };
+    // On the brink or on what is too steep is bad, in a riser worse.
+    let steep = under_ball.normal.y < reach.upright;
+    let stuck = if steep || edge.max(behind) > PITCHED { stuck.max(2.0 * TOLERATED) } else { stuck };
     let [(_, heel), ..] = over(slope);
     Some(Footprint {
         ball: under_ball,
@@ -214,7 +217,7 @@ mod tests {
     }
 
     const SOLE: SoleShape = SoleShape { heel: 0.19, tip: 0.075, ankle: 0.135 };
-    const REACH: Reach = Reach { root: Vec3::ZERO, up: 3.0, down: 3.0 };
+    const REACH: Reach = Reach { root: Vec3::ZERO, up: 3.0, down: 3.0, upright: 0.6 };
 
     #[test]
     fn toes_never_land_inside_the_next_riser() {
@@ -233,6 +236,29 @@ mod tests {
             let (shift, print) = find_room(&Stairs, REACH, ball, Vec3::Z, SOLE, 0.0, 0.2).expect("stairs everywhere");
             assert!(print.stuck <= 0.004, "{:.3} m stuck after a shift of {shift:.2} m", print.stuck);
         }
+    }
+
+    /// A wall of 60° rises along -Z from z = 0 on; level ground before it.
+    struct Bank;
+
+    impl Probe for Bank {
+        fn down(&self, start: Vec3, length: f32) -> Option<GroundHit> {
+            let (rise, normal) = if start.z < 0.0 { (1.732, Vec3::new(0.0, 0.5, 0.866)) } else { (0.0, Vec3::Y) };
+            let y = -start.z * rise;
+            let point = Vec3::new(start.x, y, start.z);
+            (start.y - y <= length).then_some(GroundHit { point, normal, entity: Entity::PLACEHOLDER })
+        }
+    }
+
+    #[test]
+    fn what_is_too_steep_is_no_room() {
+        let ball = Vec3::new(0.0, 0.0, -0.02);
+        let reach = |upright: f32| Reach { upright, ..REACH };
+        let find = |upright: f32| find_room(&Bank, reach(upright), ball, Vec3::X, SOLE, 0.0, 0.2);
+        let (_, print) = find(0.64).expect("ground everywhere");
+        assert!(print.stuck > TOLERATED, "stands on 60°");
+        let (_, print) = find(0.4).expect("ground everywhere");
+        assert!(print.stuck <= TOLERATED, "{} m stuck on a slope that it may stand on", print.stuck);
     }
 
     #[test]

@@ -67,9 +67,9 @@ const RECOVERS: f32 = 0.2;
 /// Height of the hips over the ground below which no fall presses them, as a share of the leg: a deep squat.
 const SQUAT: f32 = 0.52;
 /// Speed in m/s of falls, such as a jump's, that legs stop at the pace of clips.
-const GENTLE: f32 = 4.5;
+const GENTLE: f32 = 4.0;
 /// Radians a second that the joints of a leg of one metre turn for each m/s beyond.
-const BENDS: f32 = 6.0;
+const BENDS: f32 = 6.7;
 /// Least metres in which a fall is stopped. Guards the division.
 const LEAST_ROOM: f32 = 0.02;
 

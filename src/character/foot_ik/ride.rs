@@ -68,7 +68,6 @@ mod tests {
             turn: Quat::IDENTITY,
             sole: [takeoff; 3],
             plane: Plane { point: takeoff, normal: Vec3::Y },
-            base: takeoff.y,
             takeoff,
             landing,
         }

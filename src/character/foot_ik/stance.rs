@@ -109,7 +109,7 @@ impl FootState {
             Pivot::Tip if ball <= tip => self.roll(Pivot::Ball, plant, plane, frame),
             _ => {}
         }
-        PlacedFoot { base: self.base, takeoff: self.placed_ball.with_y(self.base), ..placed }
+        PlacedFoot { takeoff: self.placed_ball.with_y(self.base), ..placed }
     }
 
     /// The forefoot is down: the ground under it carries the sole, unless that is across an edge.

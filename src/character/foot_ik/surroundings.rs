@@ -96,8 +96,6 @@ pub struct PlacedFoot {
     pub sole: [Vec3; 3],
     /// The plane that it is placed on.
     pub plane: Plane,
-    /// World height, under the ball, of the ground that carries it; in the air of the way from the last ground to the next.
-    pub base: f32,
     /// Where the ball stands on the ground, or stood when it left.
     pub takeoff: Vec3,
     /// Where the ball will land, world, and in how many seconds, while the foot is in the air.

@@ -111,12 +111,6 @@ impl Machine {
         self.fades.weight(state)
     }
 
-    /// Whether weights are moving.
-    #[must_use]
-    pub fn is_fading(&self) -> bool {
-        self.fades.is_fading()
-    }
-
     /// How much of a state its clip number `clip` is, 0..=1; those of a state sum to one.
     #[must_use]
     pub fn share(&self, state: usize, clip: usize) -> f32 {
