@@ -1,6 +1,6 @@
 //! Weighted blends of local poses: translations and scales by their mean, rotations as quaternions on the shortest arc.
 
-use bevy::math::Quat;
+use bevy::math::{Quat, Vec3};
 
 use super::skeleton::JointTransform;
 
@@ -77,6 +77,28 @@ pub fn lerp(a: JointTransform, b: JointTransform, share: f32) -> JointTransform 
     }
 }
 
+/// What takes `from` to `to`, each turn in the joint's own axes: what an additive layer adds.
+#[must_use]
+pub fn difference(from: JointTransform, to: JointTransform) -> JointTransform {
+    let scale = to.scale / from.scale;
+    JointTransform {
+        translation: to.translation - from.translation,
+        rotation: normalized_or_identity(from.rotation.conjugate() * to.rotation),
+        scale: Vec3::select(scale.is_finite_mask(), scale, Vec3::ONE),
+    }
+}
+
+/// `base` with `share` of a [`difference`] on top; the shorter way round.
+#[must_use]
+pub fn added(base: JointTransform, difference: JointTransform, share: f32) -> JointTransform {
+    let turn = lerp(JointTransform::IDENTITY, difference, share);
+    JointTransform {
+        translation: base.translation + turn.translation,
+        rotation: normalized_or_identity(base.rotation * turn.rotation),
+        scale: base.scale * turn.scale,
+    }
+}
+
 fn normalized_or_identity(rotation: Quat) -> Quat {
     let squared = rotation.length_squared();
     if squared > 1e-12 && squared.is_finite() { rotation * (1.0 / squared.sqrt()) } else { Quat::IDENTITY }
@@ -86,7 +108,6 @@ fn normalized_or_identity(rotation: Quat) -> Quat {
 mod tests {
     use super::*;
     use crate::math::rotation::{angle_between, from_scaled_axis};
-    use bevy::math::Vec3;
 
     fn moved(translation: Vec3) -> JointTransform {
         JointTransform { translation, ..JointTransform::IDENTITY }
@@ -119,6 +140,21 @@ mod tests {
         assert!(blend.finish());
         let off = angle_between(out[0].rotation, turn);
         assert!(off < 1e-3, "{off} rad off");
+    }
+
+    #[test]
+    fn a_difference_added_in_full_gives_the_other_pose() {
+        let turned = |axis: Vec3| JointTransform {
+            translation: axis * 2.0,
+            rotation: from_scaled_axis(axis),
+            scale: Vec3::ONE + axis.abs(),
+        };
+        let (from, to) = (turned(Vec3::new(0.3, -0.9, 0.2)), turned(Vec3::new(-1.0, 0.4, 0.6)));
+        let got = added(from, difference(from, to), 1.0);
+        let off = angle_between(got.rotation, to.rotation);
+        assert!(off < 1e-3, "{off} rad off");
+        assert!(got.translation.distance(to.translation) < 1e-6 && got.scale.distance(to.scale) < 1e-6, "{got:?}");
+        assert_eq!(added(from, difference(from, to), 0.0).translation, from.translation);
     }
 
     #[test]

@@ -168,6 +168,17 @@ impl Clip {
         self.sample_at(skeleton, time, out);
     }
 
+    /// Every joint at one frame of the rows, without what is [keyed](Clip::is_keyed).
+    pub(super) fn sample_frame(&self, skeleton: &Skeleton, frame: usize, out: &mut [JointTransform]) {
+        self.sample_rows(skeleton, FrameSpan { first: frame, second: frame, blend: 0.0 }, out);
+    }
+
+    /// Whether its rows alone don't tell a joint's motion: steps, and what no frame rate follows.
+    #[must_use]
+    pub fn is_keyed(&self) -> bool {
+        !self.frames.keyed.is_empty()
+    }
+
     fn sample_at(&self, skeleton: &Skeleton, time: f32, out: &mut [JointTransform]) {
         self.sample_rows(skeleton, self.held_span(time), out);
         for curves in &self.frames.keyed {

@@ -2,6 +2,7 @@
 
 pub mod bake;
 pub mod blend;
+pub mod block;
 pub mod clip;
 pub mod curve;
 pub mod gait;

@@ -4,11 +4,29 @@
 //! `model_from_joint * inverse_bind` per slot, so one product takes a vertex from the mesh to the posed model.
 
 use bevy::math::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
+use bytemuck::{Pod, Zeroable};
 
 use super::{pose::Pose, skeleton::JointIndex};
 
 /// Sum of the four quantised weights of a vertex.
 pub const WEIGHT_ONE: u16 = u16::MAX;
+
+/// The three rows of an affine matrix, as the GPU takes them: 48 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct JointMatrix(pub [[f32; 4]; 3]);
+
+impl JointMatrix {
+    /// Moves nothing.
+    pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+}
+
+impl From<Affine3A> for JointMatrix {
+    fn from(matrix: Affine3A) -> Self {
+        let (m, t) = (matrix.matrix3.transpose(), matrix.translation);
+        Self([m.x_axis.extend(t.x).to_array(), m.y_axis.extend(t.y).to_array(), m.z_axis.extend(t.z).to_array()])
+    }
+}
 
 /// Which joints move a mesh, and where they were when it was skinned.
 #[derive(Clone, Debug, Default)]
@@ -188,6 +206,19 @@ mod tests {
             let outward = matrix.transform_vector3(along.cross(across)).dot(normal);
             prop_assert!(outward > 0.0, "normal points inward: {outward}");
         }
+    }
+
+    #[test]
+    fn a_row_matrix_moves_a_point_as_its_affine_does() {
+        let affine = Affine3A::from_scale_rotation_translation(
+            Vec3::new(1.0, 2.0, 0.5),
+            Quat::from_scaled_axis(Vec3::new(0.3, -1.0, 0.7)),
+            Vec3::new(4.0, 5.0, 6.0),
+        );
+        let point = Vec3::new(-1.0, 0.4, 2.0);
+        let rows = JointMatrix::from(affine).0.map(Vec4::from);
+        let moved = Vec3::from_array(rows.map(|row| row.dot(point.extend(1.0))));
+        assert!(moved.distance(affine.transform_point3(point)) < 1e-5, "{moved}");
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod determinism;
 mod feet;
 mod foreign;
 mod gltf_file;
+mod heap;
 mod layers;
 mod locomotion;
 mod mannequin;

@@ -7,9 +7,9 @@ use bevy::math::{Quat, Vec3, ops};
 use crate::math::rotation::{any_perpendicular, direction_or, shortest_arc};
 
 /// Shortest bone in metres that still has a direction.
-const SHORTEST_BONE: f32 = 1e-4;
+pub(in crate::anim) const SHORTEST_BONE: f32 = 1e-4;
 /// Sine of the bend below which a limb counts as straight and its bend plane comes from the pole.
-const STRAIGHT: f32 = 0.01;
+pub(in crate::anim) const STRAIGHT: f32 = 0.01;
 
 /// A limb as the clip left it: hip, knee, ankle of a leg, or shoulder, elbow, wrist of an arm.
 #[derive(Clone, Copy, Debug)]

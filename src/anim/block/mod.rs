@@ -1,0 +1,216 @@
+//! Poses of many characters at once, straight to their palettes.
+//!
+//! The scalar functions of [`anim`](super) say what is meant; here the same is done for blocks of eight characters, with the
+//! best instructions of the machine, found out at run time. Nothing is allocated once a [`Workspace`] has grown to its
+//! species.
+//!
+//! ```text
+//! clips          one row a frame, runs of joints                      shared by all       rows
+//!   │ sample + blend + layers: lanes = joints, character by character                     sample
+//! poses          [character][x8 y8 z8 w8 | … | translations | scales] 8 × 1.2 KB
+//!   │ transpose
+//! lanes          [joint][x y z w][character], [number][character]     10 KB
+//!   │ model: lanes = characters, parents first; limbs when their end is reached           model, limb
+//! matrices       [joint][9 of the matrix, 3 of the position][character]   26 KB
+//!   │ palette: rows of each slot, turned to characters                                    palette
+//! caller's slice [character][slot][3][4]                              48 bytes a slot, written once
+//! ```
+//! The sizes are those of 67 joints. A block works in the first and second cache, clips stay in the second.
+
+mod channels;
+mod frames;
+mod lanes;
+mod limb;
+mod model;
+mod palette;
+mod rows;
+mod sample;
+mod species;
+
+use bevy::math::{Quat, Vec3};
+use fearless_simd::{Level, Simd, dispatch};
+
+use super::skin::JointMatrix;
+use lanes::{LANES, Row};
+use model::{JointRows, Lanes};
+pub use rows::{Precision, RowSource, Rows, RowsReport};
+pub use species::{LimbJoints, Species, SpeciesError, SpeciesParts};
+
+/// A clip of a blend.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Play {
+    /// Index among the species' clips.
+    pub clip: usize,
+    /// Seconds; wrapped or held as the clip says.
+    pub time: f32,
+    /// Share among the clips of the layer; they need not sum to one. Zero or less counts for nothing.
+    pub weight: f32,
+}
+
+/// What a layer does to the layers below.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LayerMode {
+    /// Takes their place, as far as its weight goes.
+    #[default]
+    Override,
+    /// Is added on top: its clips are differences.
+    Add,
+}
+
+/// A blend of clips. The lowest layer lies on the rest pose.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Layer<'a> {
+    /// What it does to those below.
+    pub mode: LayerMode,
+    /// How much of it, 0..=1.
+    pub weight: f32,
+    /// Index among the species' masks: how much of it for each joint.
+    pub mask: Option<usize>,
+    /// Its clips. Without any of positive weight the layer does nothing.
+    pub clips: &'a [Play],
+}
+
+/// Where the end of a limb goes. Model space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// Where the end joint goes, metres.
+    pub target: Vec3,
+    /// Where the middle joint points when the limb is straight.
+    pub pole: Vec3,
+    /// Turns the end joint from its animated rotation: the identity keeps a foot's sole as the clip holds it.
+    pub end_turn: Quat,
+}
+
+/// What one character does in this frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Actor<'a> {
+    /// Lowest first.
+    pub layers: &'a [Layer<'a>],
+    /// By limb of the species; limbs without one stay as animated.
+    pub goals: &'a [Option<Goal>],
+    /// Where its palette begins in the slice of matrices.
+    pub palette: usize,
+}
+
+/// How far to go: for measuring what a stage costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Until {
+    /// Clips sampled and blended.
+    Sampled,
+    /// Matrices of all joints, without goals.
+    Modelled,
+    /// The same with limbs on their goals.
+    Reached,
+    /// All.
+    Written,
+}
+
+/// Which instructions to use.
+#[derive(Clone, Copy, Debug)]
+pub struct Instructions(Level);
+
+impl Instructions {
+    /// The best that this machine has, up to AVX2.
+    #[must_use]
+    pub fn best() -> Self {
+        let level = Level::new();
+        // AVX-512 has nothing to add to eight lanes.
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        let level = level.as_avx2().map_or(level, Level::Avx2);
+        Self(level)
+    }
+
+    /// Those that every machine of the target has: SSE2 on x86-64.
+    #[must_use]
+    pub fn baseline() -> Self {
+        Self(Level::baseline())
+    }
+}
+
+impl Default for Instructions {
+    fn default() -> Self {
+        Self::best()
+    }
+}
+
+/// Memory of one thread for blocks; grows to the largest species it meets.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    instructions: Instructions,
+    plan: sample::Plan,
+    layer: Vec<Row>,
+    poses: Vec<Row>,
+    lanes: Lanes,
+    joints: Vec<JointRows>,
+}
+
+impl Workspace {
+    /// For `instructions`; [`Workspace::default`] takes the best.
+    #[must_use]
+    pub fn with(instructions: Instructions) -> Self {
+        Self { instructions, ..Self::default() }
+    }
+
+    fn fit(&mut self, species: &Species) {
+        let width = species.channels.width();
+        let grow = |rows: &mut Vec<Row>, len: usize| rows.resize(rows.len().max(len), [0.0; LANES]);
+        grow(&mut self.layer, width);
+        grow(&mut self.poses, width * LANES);
+        grow(&mut self.lanes.numbers, (width - species.channels.translation_start()) * LANES);
+        let turns = self.lanes.turns.len().max(species.channels.tiles() * LANES);
+        self.lanes.turns.resize(turns, Default::default());
+        let joints = self.joints.len().max(species.joint_count() + 1);
+        self.joints.resize(joints, JointRows::default());
+    }
+}
+
+/// Poses `actors` and writes their palettes: `model_from_joint * inverse_bind`, slot by slot.
+///
+/// A palette that does not fit into `matrices` is left out, and so is a clip that the species hasn't.
+pub fn pose(species: &Species, actors: &[Actor], work: &mut Workspace, matrices: &mut [JointMatrix]) {
+    pose_until(species, actors, work, matrices, Until::Written);
+}
+
+/// As [`pose`], but stops after a stage.
+pub fn pose_until(
+    species: &Species,
+    actors: &[Actor],
+    work: &mut Workspace,
+    matrices: &mut [JointMatrix],
+    until: Until,
+) {
+    let level = work.instructions.0;
+    dispatch!(level, simd => run(simd, species, actors, work, matrices, until));
+}
+
+#[inline(always)]
+fn run<S: Simd>(
+    simd: S,
+    species: &Species,
+    actors: &[Actor],
+    work: &mut Workspace,
+    matrices: &mut [JointMatrix],
+    until: Until,
+) {
+    work.fit(species);
+    model::place_roots(simd, species, &mut work.joints);
+    let width = species.channels.width();
+    for block in actors.chunks(LANES) {
+        for (actor, pose) in block.iter().zip(work.poses.chunks_mut(width.max(1))) {
+            work.plan.make(species, actor);
+            sample::sample(simd, species, &work.plan, &mut work.layer[..width], &mut pose[..width]);
+        }
+        if until == Until::Sampled {
+            continue;
+        }
+        sample::transpose_rows(simd, species, &work.poses, &mut work.lanes.turns, &mut work.lanes.numbers);
+        let reaching = if until == Until::Modelled { &[] } else { block };
+        model::place_joints(simd, species, &work.lanes, &mut work.joints, reaching);
+        if until == Until::Written {
+            palette::write(simd, species, &work.joints, block, matrices);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,154 @@
+//! Places joints in model space, parents first: lanes = characters.
+//!
+//! Reads the transposed rows, writes matrices between frames and positions (model space, metres).
+
+use fearless_simd::Simd;
+
+use super::{
+    Actor,
+    lanes::{Floats, Mat3s, Quats, Row, Vec3s, load, store},
+    limb,
+    species::{Joint, Species, Track},
+};
+
+/// A joint of eight characters: three rows of its matrix, then its position.
+pub(super) type JointRows = [[Row; 3]; 4];
+
+/// What joints do, in all lanes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lanes {
+    /// Rotations of those that move, one after the other.
+    pub(super) turns: Vec<[Row; 4]>,
+    /// Translations and scales, one number after the other.
+    pub(super) numbers: Vec<Row>,
+}
+
+/// Where a joint is, in all lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Placed<S: Simd> {
+    /// `model_from_joint`, without its frame's turn and scale.
+    pub(super) matrix: Mat3s<S>,
+    pub(super) position: Vec3s<S>,
+}
+
+impl<S: Simd> Placed<S> {
+    #[inline(always)]
+    pub(super) fn load(simd: S, [a, b, c, position]: &JointRows) -> Self {
+        let matrix = Mat3s([Vec3s::load(simd, a), Vec3s::load(simd, b), Vec3s::load(simd, c)]);
+        Self { matrix, position: Vec3s::load(simd, position) }
+    }
+
+    #[inline(always)]
+    pub(super) fn store(self, [a, b, c, position]: &mut JointRows) {
+        self.matrix.0[0].store(a);
+        self.matrix.0[1].store(b);
+        self.matrix.0[2].store(c);
+        self.position.store(position);
+    }
+}
+
+/// Writes what stands above the roots, the same for everyone.
+#[inline(always)]
+pub(super) fn place_roots<S: Simd>(simd: S, species: &Species, joints: &mut [JointRows]) {
+    let [x, y, z] = species.above_roots;
+    let matrix = Mat3s::splat(simd, [[x[0], x[1], x[2]], [y[0], y[1], y[2]], [z[0], z[1], z[2]]]);
+    Placed { matrix, position: Vec3s::splat(simd, [x[3], y[3], z[3]]) }.store(&mut joints[0]);
+}
+
+/// Places every joint, and turns limbs onto the goals of `actors`.
+#[inline(always)]
+pub(super) fn place_joints<S: Simd>(
+    simd: S,
+    species: &Species,
+    lanes: &Lanes,
+    joints: &mut [JointRows],
+    actors: &[Actor],
+) {
+    for (index, joint) in species.joints.iter().enumerate() {
+        let (above, own) = joints.split_at_mut(index + 1);
+        let (parent, own) = (&above[joint.parent], &mut own[0]);
+        let translation = translation(simd, species, lanes, joint);
+        match (&joint.rotation, &joint.scale) {
+            (Track::Moving(place), Track::Identity) => {
+                let turn = Mat3s::from_quats(simd, Quats::load(simd, &lanes.turns[*place]));
+                place_joint(simd, parent, Some(&turn), translation, own);
+            }
+            (Track::Identity, Track::Identity) => place_joint(simd, parent, None, translation, own),
+            _ => place_joint(simd, parent, Some(&local(simd, species, lanes, joint)), translation, own),
+        }
+        if let Some(limb) = joint.ends
+            && !actors.is_empty()
+        {
+            limb::reach(simd, &species.limbs[limb], limb, actors, joints);
+        }
+    }
+}
+
+/// Places one joint: `local` is its rotation and scale between frames.
+#[inline(always)]
+fn place_joint<S: Simd>(
+    simd: S,
+    parent: &JointRows,
+    local: Option<&Mat3s<S>>,
+    translation: Vec3s<S>,
+    own: &mut JointRows,
+) {
+    // Row by row, so that a parent's numbers need no registers before their turn.
+    for row in 0..3 {
+        let above = Vec3s::load(simd, &parent[row]);
+        let turned = match local {
+            Some(local) => local.row_times(above),
+            None => above,
+        };
+        turned.store(&mut own[row]);
+        store(above.dot_plus(translation, load(simd, &parent[3][row])), &mut own[3][row]);
+    }
+}
+
+/// Rotation and scale of a joint as a matrix between frames.
+#[inline(always)]
+fn local<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint) -> Mat3s<S> {
+    let turn = match &joint.rotation {
+        Track::Identity => Mat3s::from_quats(simd, Quats::identity(simd)),
+        Track::Still(matrix) => Mat3s::splat(simd, *matrix),
+        Track::Moving(place) => Mat3s::from_quats(simd, Quats::load(simd, &lanes.turns[*place])),
+    };
+    match &joint.scale {
+        Track::Identity => turn,
+        Track::Still(matrix) => turn.times(&Mat3s::splat(simd, *matrix)),
+        Track::Moving(place) => turn.times(&scale(simd, species, lanes, joint, *place)),
+    }
+}
+
+#[inline(always)]
+fn translation<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint) -> Vec3s<S> {
+    match joint.translation {
+        Track::Moving(place) => vector(simd, lanes, place, species.channels.translations.len()),
+        Track::Still(translation) => Vec3s::splat(simd, translation),
+        Track::Identity => Vec3s::splat(simd, [0.0; 3]),
+    }
+}
+
+/// Scale along a joint's own axes, as a matrix between frames.
+#[inline(always)]
+fn scale<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint, place: usize) -> Mat3s<S> {
+    let scale = vector(simd, lanes, place, species.channels.scales.len());
+    let [xx, yy, zz, xy, xz, yz] = joint.scale_parts;
+    let (xy, xz, yz) = (part(simd, scale, xy), part(simd, scale, xz), part(simd, scale, yz));
+    Mat3s([
+        Vec3s::new(part(simd, scale, xx), xy, xz),
+        Vec3s::new(xy, part(simd, scale, yy), yz),
+        Vec3s::new(xz, yz, part(simd, scale, zz)),
+    ])
+}
+
+#[inline(always)]
+fn vector<S: Simd>(simd: S, lanes: &Lanes, place: usize, step: usize) -> Vec3s<S> {
+    let number = |part: usize| &lanes.numbers[place + part * step];
+    Vec3s::new(load(simd, number(0)), load(simd, number(1)), load(simd, number(2)))
+}
+
+#[inline(always)]
+fn part<S: Simd>(simd: S, scale: Vec3s<S>, axes: [f32; 3]) -> Floats<S> {
+    scale.dot(Vec3s::splat(simd, axes))
+}
