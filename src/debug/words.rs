@@ -45,7 +45,6 @@ mod tests {
             turn: Quat::IDENTITY,
             sole: [Vec3::ZERO; 3],
             plane,
-            base: 0.0,
             takeoff: Vec3::ZERO,
             landing,
         };
