@@ -6,6 +6,51 @@
 //! A model of your own: [Bring your own character](rig::guide).
 //!
 //! Model space everywhere: metres, +Y up, the character faces -Z.
+//!
+//! # Layers and actions
+//!
+//! Locomotion moves the whole body; what is laid over it leaves the legs alone, so feet stay planted. An *action* plays a clip
+//! on a part of the body, by name, with a fade at both ends: [`Actions`](character::animator::Actions), which every character
+//! has. Several play at once, later ones over earlier ones.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use surefoot::character::animator::Actions;
+//!
+//! fn greet(mut characters: Query<&mut Actions>) {
+//!     for mut actions in &mut characters {
+//!         actions.play("wave");
+//!     }
+//! }
+//! # bevy::ecs::system::assert_is_system(greet);
+//! ```
+//!
+//! Every clip is an action of the upper body; the character's file says where one differs: on which joints it plays
+//! ([masks](anim::mask)), how it fades, whether it is added to what plays.
+//!
+//! ```
+//! # use surefoot::rig::character_file::CharacterFile;
+//! let file = CharacterFile::parse(
+//!     r#"(actions: {
+//!         "wave": (root: Role(rightShoulder), feather: 1),
+//!         "breathe": (clip: "idle", additive: true, looping: true, weight: 0.5),
+//!     })"#,
+//! )?;
+//! # assert_eq!(file.actions.map(|actions| actions.len()), Some(2));
+//! # Ok::<(), surefoot::rig::character_file::CharacterFileError>(())
+//! ```
+//!
+//! [`MoveIntent::aim`](character::intent::MoveIntent::aim) raises an arm and turns the head to point along a direction, up and
+//! down too, while the legs walk, strafe or back off; `facing` beside it keeps the body turned that way.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use surefoot::character::intent::MoveIntent;
+//!
+//! let view = Vec3::new(0.0, 0.3, -1.0);
+//! let intent = MoveIntent { velocity: Vec3::X, facing: Some(view), aim: Some(view), ..default() };
+//! # assert!(intent.is_sound());
+//! ```
 
 pub mod anim;
 pub mod character;

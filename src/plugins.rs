@@ -4,8 +4,9 @@ use bevy::{app::PluginGroupBuilder, prelude::*};
 
 use crate::{
     character::{
-        animator::AnimatorPlugin, attach::AttachPlugin, bind::BindPlugin, chains::ChainsPlugin, foot_ik::FootIkPlugin,
-        locomotion::LocomotionPlugin, look::LookPlugin, motion::MotionPlugin, schedule::SchedulePlugin,
+        aim::AimPlugin, animator::AnimatorPlugin, attach::AttachPlugin, bind::BindPlugin, chains::ChainsPlugin,
+        foot_ik::FootIkPlugin, locomotion::LocomotionPlugin, look::LookPlugin, motion::MotionPlugin,
+        schedule::SchedulePlugin,
     },
     rig::loader::RigPlugin,
 };
@@ -27,6 +28,7 @@ impl PluginGroup for SurefootPlugins {
             .add(AnimatorPlugin)
             .add(FootIkPlugin)
             .add(LookPlugin)
+            .add(AimPlugin)
             .add(ChainsPlugin)
             .add(AttachPlugin);
         #[cfg(feature = "render")]

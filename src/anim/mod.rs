@@ -10,6 +10,7 @@ pub mod ik;
 pub mod inertialize;
 pub mod keys;
 pub mod leg;
+pub mod mask;
 pub mod pose;
 pub mod retarget;
 pub mod skeleton;

@@ -5,7 +5,8 @@ use bevy::{ecs::system::SystemParam, platform::collections::HashMap, prelude::*}
 
 use super::{
     Character,
-    animator::{Balance, CharacterPose},
+    aim::Aiming,
+    animator::{Actions, Balance, CharacterPose},
     foot_ik::{FootIk, GroundFilter},
     locomotion::Locomotion,
     look::Look,
@@ -40,7 +41,7 @@ fn bind(
     mut events: MessageReader<AssetEvent<CharacterAsset>>,
     assets: CharacterAssets,
     fresh: Query<(Entity, &Character), Without<CharacterPose>>,
-    bound: Query<(Entity, &Character, &Locomotion), With<CharacterPose>>,
+    bound: Query<(Entity, &Character, &Locomotion, &Aiming), With<CharacterPose>>,
     mut patterns: Local<HashMap<AssetId<CharacterAsset>, Locomotion>>,
 ) {
     let events: Vec<AssetEvent<CharacterAsset>> = events.read().copied().collect();
@@ -49,25 +50,28 @@ fn bind(
             patterns.remove(id);
         }
     }
-    let mut give = |entity: Entity, asset: &CharacterAsset, character: &Character, before: Option<&Locomotion>| {
-        let mut pose = CharacterPose::new(&asset.skeleton);
-        // All characters of one file share what never changes.
-        let pattern = patterns.entry(character.0.id()).or_insert_with(|| Locomotion::new(asset, &mut pose.pose));
-        let mut locomotion = pattern.clone();
-        if let Some(before) = before {
-            locomotion.take_over(before, asset);
-        }
-        let ground = GroundFilter(SpatialQueryFilter::from_excluded_entities([entity]));
-        commands
-            .entity(entity)
-            .insert((pose, locomotion, FootIk::new(asset), asset.file.motion.clone()))
-            .insert_if_new((ground, Balance::default(), Look::default()));
-    };
+    let mut give =
+        |entity: Entity, asset: &CharacterAsset, character: &Character, before: Option<(&Locomotion, &Aiming)>| {
+            let mut pose = CharacterPose::new(&asset.skeleton);
+            // All characters of one file share what never changes.
+            let pattern = patterns.entry(character.0.id()).or_insert_with(|| Locomotion::new(asset, &mut pose.pose));
+            let mut locomotion = pattern.clone();
+            let mut aiming = Aiming::new(asset);
+            if let Some((before, aimed)) = before {
+                locomotion.take_over(before, asset);
+                aiming.take_over(aimed);
+            }
+            let ground = GroundFilter(SpatialQueryFilter::from_excluded_entities([entity]));
+            commands
+                .entity(entity)
+                .insert((pose, locomotion, aiming, FootIk::new(asset), asset.file.motion.clone()))
+                .insert_if_new((ground, Actions::default(), Balance::default(), Look::default()));
+        };
     for event in events {
         let AssetEvent::Modified { id } = event else { continue };
-        for (entity, character, locomotion) in bound.iter().filter(|(_, character, _)| character.0.id() == id) {
+        for (entity, character, locomotion, aiming) in bound.iter().filter(|bound| bound.1.0.id() == id) {
             if let Some(asset) = assets.get(character) {
-                give(entity, asset, character, Some(locomotion));
+                give(entity, asset, character, Some((locomotion, aiming)));
             }
         }
     }

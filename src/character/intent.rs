@@ -4,7 +4,7 @@ use bevy::prelude::*;
 
 /// What a character wants to do now. Written by anyone in [`MotionSystems::Decide`](super::schedule::MotionSystems::Decide).
 ///
-/// Values that are not finite count as zero (`None` for `facing`); a warning says so once.
+/// Values that are not finite count as zero (`None` for `facing` and `aim`); a warning says so once.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
 #[reflect(Component)]
 pub struct MoveIntent {
@@ -12,6 +12,9 @@ pub struct MoveIntent {
     pub velocity: Vec3,
     /// World direction to face; `None` faces the way the character moves.
     pub facing: Option<Vec3>,
+    /// World direction, up and down too, to point an arm and the head along; `None` lowers the arm. The body follows only
+    /// by `facing`.
+    pub aim: Option<Vec3>,
     /// Held for as long as the jump shall rise.
     pub jump: bool,
     /// Held to crouch.
@@ -22,7 +25,7 @@ impl MoveIntent {
     /// Whether every number in it is finite.
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        self.velocity.is_finite() && self.facing.is_none_or(Vec3::is_finite)
+        self.velocity.is_finite() && [self.facing, self.aim].into_iter().flatten().all(Vec3::is_finite)
     }
 
     /// The same intent made safe: horizontal, at most `top_speed` m/s, with nothing in it that is not finite.
@@ -35,7 +38,14 @@ impl MoveIntent {
         } else {
             Vec3::ZERO
         };
-        Self { velocity, facing: self.facing.filter(|facing| facing.is_finite()), ..*self }
+        let sound = |way: Option<Vec3>| way.filter(|way| way.is_finite());
+        Self { velocity, facing: sound(self.facing), aim: sound(self.aim), ..*self }
+    }
+
+    /// The direction to aim along, one long; `None` where there is none.
+    #[must_use]
+    pub fn aims(&self) -> Option<Vec3> {
+        self.aim.and_then(Vec3::try_normalize)
     }
 }
 
@@ -48,11 +58,15 @@ mod tests {
         let broken = MoveIntent {
             velocity: Vec3::new(f32::NAN, 0.0, 1.0),
             facing: Some(Vec3::splat(f32::INFINITY)),
+            aim: Some(Vec3::NAN),
             jump: true,
             crouch: false,
         };
         assert!(!broken.is_sound());
         assert_eq!(broken.sanitised(5.0), MoveIntent { jump: true, ..default() });
+        for nowhere in [None, Some(Vec3::ZERO), Some(Vec3::NAN), Some(Vec3::INFINITY)] {
+            assert_eq!(MoveIntent { aim: nowhere, ..default() }.aims(), None, "{nowhere:?} is no direction");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
-//! Turns the head: ahead of a turn, along the slope, or at a point, and keeps it level while the body leans.
+//! Turns the head: along the aim, ahead of a turn, along the slope, or at a point, and keeps it level while the body leans.
 //!
-//! Reads `MotionState`, [`Balance`] and the pose with its feet placed; turns chest, neck and head. Model space: metres,
+//! Reads `MoveIntent`, `MotionState`, [`Balance`] and the pose with its feet placed; turns chest, neck and head. Model space: metres,
 //! +Y up, the character faces -Z; yaw left positive, pitch up positive, radians.
 
 use bevy::{math::ops, prelude::*};
@@ -9,6 +9,7 @@ use super::{
     Character,
     animator::{Balance, CharacterPose},
     bind::CharacterAssets,
+    intent::MoveIntent,
     locomotion::Locomotion,
     motion::MotionState,
     schedule::PoseSystems,
@@ -16,7 +17,7 @@ use super::{
 use crate::{
     anim::pose::Pose,
     math::{
-        rotation::{from_scaled_axis, heading, to_scaled_axis},
+        rotation::{from_scaled_axis, heading, to_scaled_axis, yaw_and_pitch},
         spring::Spring,
     },
     rig::{character::CharacterAsset, humanoid::HumanoidRole, tuning::look::LookConfig},
@@ -91,6 +92,7 @@ fn look(
     mut characters: Query<(
         &Character,
         &Transform,
+        &MoveIntent,
         &MotionState,
         &Locomotion,
         &Balance,
@@ -100,14 +102,16 @@ fn look(
     )>,
 ) {
     let dt = time.delta_secs();
-    characters.par_iter_mut().for_each(|(character, root, motion, locomotion, balance, target, mut look, mut pose)| {
+    characters.par_iter_mut().for_each(|character| {
+        let (character, root, intent, motion, locomotion, balance, target, mut look, mut pose) = character;
         let Some(asset) = assets.get(character) else { return };
         let config = &asset.file.look;
         if !config.enabled {
             return;
         }
-        let goal = match (target, asset.humanoid.get(HumanoidRole::Head)) {
-            (Some(target), Some(head)) if target.0.is_finite() => {
+        let goal = match (intent.aims(), target, asset.humanoid.get(HumanoidRole::Head)) {
+            (Some(aim), ..) => limited(yaw_and_pitch(root.rotation.inverse() * aim), config),
+            (None, Some(target), Some(head)) if target.0.is_finite() => {
                 let point = root.to_isometry().inverse() * target.0;
                 gaze_at(pose.pose.position(head), point, config)
             }

@@ -1,5 +1,6 @@
 //! Layer 3: the ECS, one module per stage in the order the data flows; `schedule` is the spine.
 
+pub mod aim;
 pub mod animator;
 pub mod attach;
 pub mod bind;

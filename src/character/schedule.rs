@@ -24,6 +24,8 @@ pub enum PoseSystems {
     Look,
     /// Local pose → model pose of all joints.
     Model,
+    /// Aim → arms of the local pose, model pose of all joints.
+    Aim,
     /// Targets → joints of IK chains.
     Reach,
     /// Model pose → what rides on it.
@@ -45,6 +47,7 @@ impl Plugin for SchedulePlugin {
                 PoseSystems::Plant,
                 PoseSystems::Look,
                 PoseSystems::Model,
+                PoseSystems::Aim,
                 PoseSystems::Reach,
                 PoseSystems::Attach,
                 PoseSystems::Palette,

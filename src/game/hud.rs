@@ -14,8 +14,8 @@ use crate::{
 };
 
 /// The line of controls.
-const CONTROLS: &str = "WASD walk   Shift run   Ctrl sprint   Space jump   C crouch   mouse look   wheel zoom   right button aim   \
-    Esc free the mouse   F1 hide this   F3 feet";
+const CONTROLS: &str = "WASD walk   Shift run   Ctrl sprint   Space jump   C crouch   H wave   mouse look   wheel zoom   \
+    right button aim   Esc free the mouse   F1 hide this   F3 feet";
 /// Text size in pixels.
 const TEXT_SIZE: f32 = 13.0;
 /// Distance of texts from the edges of the window, pixels.

@@ -1,11 +1,11 @@
-//! The player's hands: keys, sticks and buttons → [`MoveIntent`]. World space; steering is relative to the camera.
+//! The player's hands: keys, sticks and buttons → [`MoveIntent`] and actions. World space; steering is relative to the camera.
 
 use bevy::prelude::*;
 use bevy_enhanced_input::prelude::*;
 
 use super::level::Hero;
 use crate::{
-    character::{intent::MoveIntent, schedule::MotionSystems},
+    character::{animator, intent::MoveIntent, schedule::MotionSystems},
     rig::tuning::motion::MotionConfig,
 };
 
@@ -45,10 +45,15 @@ struct Jump;
 #[action_output(bool)]
 struct Crouch;
 
-/// Held to face where the camera looks.
+/// Held to face where the camera looks, and to point there.
 #[derive(InputAction)]
 #[action_output(bool)]
 pub(super) struct Aim;
+
+/// Pressed to greet.
+#[derive(InputAction)]
+#[action_output(bool)]
+struct Wave;
 
 /// What was pressed since the last fixed tick, so that a tap shorter than a tick counts.
 #[derive(Component, Clone, Copy, Debug, Default)]
@@ -64,6 +69,7 @@ pub(super) fn plugin(app: &mut App) {
         .add_observer(bind)
         .add_observer(remember_jump)
         .add_observer(remember_dash)
+        .add_observer(wave)
         .add_systems(FixedUpdate, decide.in_set(MotionSystems::Decide));
 }
 
@@ -82,6 +88,7 @@ fn bind(added: On<Add, Player>, mut commands: Commands) {
         (Action::<Jump>::new(), bindings![KeyCode::Space, GamepadButton::South]),
         (Action::<Crouch>::new(), bindings![KeyCode::KeyC, GamepadButton::East]),
         (Action::<Aim>::new(), bindings![MouseButton::Right, GamepadButton::LeftTrigger2]),
+        (Action::<Wave>::new(), bindings![KeyCode::KeyH, GamepadButton::DPadUp]),
     ]));
 }
 
@@ -94,6 +101,12 @@ fn remember_jump(jump: On<Start<Jump>>, mut players: Query<&mut Presses>) {
 fn remember_dash(dash: On<Start<Dash>>, mut players: Query<&mut Presses>) {
     if let Ok(mut presses) = players.get_mut(dash.context) {
         presses.dash = true;
+    }
+}
+
+fn wave(wave: On<Start<Wave>>, mut players: Query<&mut animator::Actions>) {
+    if let Ok(mut actions) = players.get_mut(wave.context) {
+        actions.play("wave");
     }
 }
 
@@ -119,6 +132,7 @@ fn decide(
         let speed = if sprint { config.sprint_speed } else { config.walk_speed.lerp(config.run_speed, run) };
         intent.velocity = wanted_velocity(steer, view, speed);
         intent.facing = aim.then(|| level_forward(view));
+        intent.aim = aim.then_some(view);
         intent.jump = held_jump || presses.jump;
         intent.crouch = crouches.iter_many(actions).next().is_some_and(|action| **action);
         presses.jump = false;
@@ -215,6 +229,31 @@ mod tests {
         assert!(speed(&mut app) < 1e-6, "it goes on without a way");
         app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::KeyW);
         assert!((speed(&mut app) - config.walk_speed).abs() < 1e-3, "the dash outlives its stop");
+    }
+
+    #[test]
+    fn the_right_button_faces_and_points_where_the_camera_looks() {
+        let (mut app, player) = app();
+        app.world_mut().resource_mut::<ButtonInput<MouseButton>>().press(MouseButton::Right);
+        app.update();
+        app.update();
+        let MoveIntent { facing, aim, .. } = app.world().get::<MoveIntent>(player).unwrap().clone();
+        assert!(facing.unwrap().distance(Vec3::X) < 1e-4, "it faces {facing:?}");
+        assert!(aim.unwrap().distance(Vec3::new(1.0, -1.0, 0.0).normalize()) < 1e-4, "it aims along {aim:?}");
+        app.world_mut().resource_mut::<ButtonInput<MouseButton>>().release(MouseButton::Right);
+        app.update();
+        app.update();
+        assert_eq!(app.world().get::<MoveIntent>(player).unwrap().aim, None, "the button is up");
+    }
+
+    #[test]
+    fn a_tap_of_its_key_waves() {
+        let (mut app, player) = app();
+        app.world_mut().entity_mut(player).insert(animator::Actions::default());
+        app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::KeyH);
+        app.update();
+        app.update();
+        assert!(app.world().get::<animator::Actions>(player).unwrap().is_playing("wave"), "no wave is asked for");
     }
 
     #[test]

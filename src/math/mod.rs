@@ -1,4 +1,5 @@
-//! Layer 0: springs and rotations on plain vectors.
+//! Layer 0: springs, fades and rotations on plain vectors.
 
+pub mod fade;
 pub mod rotation;
 pub mod spring;

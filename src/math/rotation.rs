@@ -1,6 +1,6 @@
 //! Rotations: shortest arcs, logarithm and exponential, swing and twist. Every function takes any input without NaN.
 
-use bevy::math::{Quat, Vec3, ops};
+use bevy::math::{Quat, Vec2, Vec3, ops};
 
 /// Squared lengths below this have no direction that `f32` can hold.
 const TINY_SQUARED: f32 = 1e-16;
@@ -104,6 +104,16 @@ pub fn heading(direction: Vec3) -> f32 {
     ops::atan2(-direction.x, -direction.z)
 }
 
+/// Heading and rise of `direction` in radians: x is 0 along -Z and positive to the left, y is positive up.
+///
+/// Straight up and down have heading 0, no direction has neither.
+#[must_use]
+pub fn yaw_and_pitch(direction: Vec3) -> Vec2 {
+    let direction = direction_or(direction, Vec3::ZERO);
+    let across = direction.with_y(0.0).length();
+    Vec2::new(if across > 1e-4 { heading(direction) } else { 0.0 }, ops::atan2(direction.y, across))
+}
+
 /// Rotation about `+Y` that turns -Z to the horizontal part of `direction`; identity where there is none.
 #[must_use]
 pub fn facing(direction: Vec3) -> Quat {
@@ -156,6 +166,17 @@ mod tests {
             let forward = facing(direction) * Vec3::NEG_Z;
             prop_assert!(forward.distance(direction.normalize()) < 1e-4, "{forward}");
         }
+    }
+
+    #[test]
+    fn yaw_and_pitch_make_the_direction_again() {
+        for direction in [Vec3::NEG_Z, Vec3::X, Vec3::new(0.3, -0.8, 0.9), Vec3::Y, Vec3::NEG_Y] {
+            let Vec2 { x: yaw, y: pitch } = yaw_and_pitch(direction * 3.0);
+            let again = Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch) * Vec3::NEG_Z;
+            assert!(again.distance(direction.normalize()) < 1e-4, "{direction} came back as {again}");
+        }
+        assert_eq!(yaw_and_pitch(Vec3::ZERO), Vec2::ZERO);
+        assert_eq!(yaw_and_pitch(Vec3::NAN), Vec2::ZERO);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::{
     anim::{ik::two_bone::bend_angle, leg::Leg, pose::Pose},
     character::{
         Character,
-        animator::CharacterPose,
+        animator::{Actions, CharacterPose},
         bind::CharacterAssets,
         foot_ik::{FootIk, Frames, GroundFilter, GroundFrames, NoGround, PhysicsProbe, Pivot, Probe},
         intent::MoveIntent,
@@ -202,6 +202,7 @@ fn record(
         &MoveIntent,
         &MotionState,
         &Locomotion,
+        &Actions,
         &CharacterPose,
         &FootIk,
         &GroundFilter,
@@ -212,7 +213,7 @@ fn record(
     if dt <= 0.0 {
         return;
     }
-    for (character, root, intent, motion, locomotion, pose, ik, filter, mut recorder) in &mut characters {
+    for (character, root, intent, motion, locomotion, actions, pose, ik, filter, mut recorder) in &mut characters {
         let Some(asset) = assets.get(character) else { continue };
         let seen = Seen {
             asset,
@@ -227,7 +228,7 @@ fn record(
                 if motion.ground.is_some() { hold(ik, locomotion, &pose.pose, leg, side) } else { Hold::Free }
             }),
             missed: [0, 1].map(|side| ik.placed[side].map(|_| ik.legs[side].missed)),
-            playing: &playing(asset, locomotion),
+            playing: &playing(asset, locomotion, actions),
         };
         recorder.record(&seen, &PhysicsProbe::new(&spatial, &no_ground, filter), &grounds, dt);
     }
@@ -256,8 +257,11 @@ pub fn hold_of_clip(pose: &Pose, leg: &Leg, contact: f32) -> Hold {
     }
 }
 
-fn playing(asset: &CharacterAsset, locomotion: &Locomotion) -> Vec<Playing> {
+fn playing(asset: &CharacterAsset, locomotion: &Locomotion, actions: &Actions) -> Vec<Playing> {
     let machine = &locomotion.machine;
+    let laid_over = actions
+        .clips(asset)
+        .filter_map(|clip| Some(Playing { clip: asset.clip_index(&clip.name)?, rate: clip.clip.speed }));
     locomotion
         .playing(asset)
         .filter_map(|playing| {
@@ -265,6 +269,7 @@ fn playing(asset: &CharacterAsset, locomotion: &Locomotion) -> Vec<Playing> {
             let rate = if gait { machine.phase_rate() * playing.clip.clip.duration } else { 1.0 };
             Some(Playing { clip: asset.clip_index(&playing.clip.name)?, rate })
         })
+        .chain(laid_over)
         .collect()
 }
 

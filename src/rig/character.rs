@@ -6,6 +6,7 @@ use bevy::{asset::AssetPath, math::Affine3A, prelude::*};
 
 use super::{
     Rig,
+    actions::{self, ActionError, CharacterAction},
     binding::Binding,
     character_file::{CharacterFile, ClipSource},
     humanoid::{Humanoid, HumanoidError, HumanoidRole},
@@ -52,6 +53,7 @@ pub struct CharacterAsset {
     /// Thigh and shin, the mean of both legs, metres.
     pub leg_length: f32,
     clips: Vec<CharacterClip>,
+    actions: Vec<CharacterAction>,
 }
 
 /// A clip as this character plays it.
@@ -111,6 +113,9 @@ pub enum CharacterError {
     /// A transition names a state that isn't there.
     #[error(transparent)]
     Transition(#[from] RangeError),
+    /// An action can't be played.
+    #[error(transparent)]
+    Action(#[from] ActionError),
     /// A clip moves another body.
     #[error("`clips[\"{name}\"]`: no joint that `{file}` moves has a partner in `{model}`; it moves {joints}")]
     Foreign {
@@ -163,12 +168,14 @@ impl CharacterAsset {
             legs,
             leg_length: 0.5 * (legs[0].length() + legs[1].length()),
             clips: Vec::new(),
+            actions: Vec::new(),
             humanoid,
             file,
         };
         asset.clips = asset.resolve_clips(others)?;
         asset.add_standard_clips();
         asset.complete_states()?;
+        asset.actions = actions::resolve(&asset)?;
         Ok(asset)
     }
 
@@ -182,6 +189,12 @@ impl CharacterAsset {
     #[must_use]
     pub fn clips(&self) -> &[CharacterClip] {
         &self.clips
+    }
+
+    /// All actions: those of the file, then the other clips.
+    #[must_use]
+    pub fn actions(&self) -> &[CharacterAction] {
+        &self.actions
     }
 
     /// Place of the clip `name` in [`CharacterAsset::clips`].
@@ -202,10 +215,11 @@ impl CharacterAsset {
         Target { rig, skeleton, humanoid, legs, config: &file.retarget }
     }
 
-    /// Clips that states lack and the mannequin has.
+    /// Clips that states and actions lack and the mannequin has.
     fn add_standard_clips(&mut self) {
         let locomotion = self.file.locomotion.completed(|_| true);
         let mut missing: Vec<&str> = locomotion.states().iter().flat_map(StateConfig::clips).collect();
+        missing.extend(actions::clips_of(&self.file));
         missing.retain(|name| self.clip(name).is_none());
         if missing.is_empty() || !self.file.standard_clips {
             return;

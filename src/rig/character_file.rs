@@ -10,6 +10,8 @@ use super::{
     humanoid::HumanoidRole,
     names::suggestion,
     tuning::{
+        actions::ActionConfig,
+        aim::AimConfig,
         balance::BalanceConfig,
         foot_ik::FootIkConfig,
         locomotion::LocomotionConfig,
@@ -44,12 +46,17 @@ pub struct CharacterFile {
     pub motion: MotionConfig,
     /// Which clips play when.
     pub locomotion: LocomotionConfig,
+    /// What is laid over it, by name. Each further clip can be played by its own name, too, with everything at its default.
+    /// Default: the [standard actions](super::tuning::actions::standard) whose clips and joints there are.
+    pub actions: Option<BTreeMap<String, ActionConfig>>,
     /// How the body leans into what it does.
     pub balance: BalanceConfig,
     /// How feet find the ground.
     pub foot_ik: FootIkConfig,
     /// Where the head turns to.
     pub look: LookConfig,
+    /// How arms point where it aims.
+    pub aim: AimConfig,
 }
 
 impl Default for CharacterFile {
@@ -64,9 +71,11 @@ impl Default for CharacterFile {
             retarget: RetargetConfig::default(),
             motion: MotionConfig::default(),
             locomotion: LocomotionConfig::default(),
+            actions: None,
             balance: BalanceConfig::default(),
             foot_ik: FootIkConfig::default(),
             look: LookConfig::default(),
+            aim: AimConfig::default(),
         }
     }
 }
@@ -186,9 +195,13 @@ impl CharacterFile {
         self.retarget.check(&Ranges::new("retarget."))?;
         self.motion.check(&Ranges::new("motion."))?;
         self.locomotion.check(&Ranges::new("locomotion."))?;
+        for (name, action) in self.actions.iter().flatten() {
+            action.check(&Ranges::new(&format!("actions[\"{name}\"].")))?;
+        }
         self.balance.check(&Ranges::new("balance."))?;
         self.foot_ik.check(&Ranges::new("foot_ik."))?;
-        self.look.check(&Ranges::new("look."))
+        self.look.check(&Ranges::new("look."))?;
+        self.aim.check(&Ranges::new("aim."))
     }
 }
 

@@ -1,6 +1,7 @@
 //! A joint of a character that a user names: by its own name, or by the part it plays.
 
 use bevy::reflect::Reflect;
+use serde::{Deserialize, Serialize};
 
 use super::{
     character::CharacterAsset,
@@ -10,7 +11,7 @@ use super::{
 use crate::anim::skeleton::JointIndex;
 
 /// A joint, as a user names it.
-#[derive(Reflect, Clone, Debug, PartialEq, Eq)]
+#[derive(Reflect, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum JointRef {
     /// By its name in the model.
     Name(String),

@@ -2,6 +2,7 @@
 //!
 //! How a model of your own comes to walk: [Bring your own character](guide).
 
+pub mod actions;
 pub mod binding;
 pub mod character;
 pub mod character_file;

@@ -14,7 +14,14 @@ use bevy::{
 };
 use surefoot::{
     anim::{gait::Gait, leg::LEFT, pose::Pose},
-    rig::{Rig, character::CharacterAsset, character_file::CharacterFile, humanoid::HumanoidRole, loader::RigPlugin},
+    rig::{
+        Rig,
+        character::CharacterAsset,
+        character_file::CharacterFile,
+        humanoid::HumanoidRole,
+        loader::RigPlugin,
+        tuning::actions::{self, ActionConfig},
+    },
 };
 
 use crate::gltf_file::{Body, triangle};
@@ -322,9 +329,11 @@ fn the_shipped_character_loads_with_every_field_at_its_default() {
     let written = |file: &CharacterFile| ron::to_string(file).expect("a character file can be written");
     let mut defaults = CharacterFile::default();
     defaults.locomotion = defaults.locomotion.completed(|_| true);
+    defaults.actions = Some(actions::standard());
     assert_eq!(written(&file), written(&defaults), "the file spells out the defaults");
-    let parts: [&dyn PartialReflect; 6] =
-        [&file, &file.motion, &file.locomotion, &file.balance, &file.foot_ik, &file.look];
+    let action = ActionConfig::default();
+    let parts: [&dyn PartialReflect; 8] =
+        [&file, &action, &file.motion, &file.locomotion, &file.balance, &file.foot_ik, &file.look, &file.aim];
     for part in parts {
         let fields = part.reflect_ref().as_struct().expect("tuning is made of structs");
         for name in (0..fields.field_len()).filter_map(|index| fields.name_at(index)) {

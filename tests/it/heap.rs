@@ -24,7 +24,7 @@ use surefoot::{
         skeleton::{JointIndex, JointTransform, Skeleton},
         skin::{JointMatrix, Skin},
     },
-    character::{intent::MoveIntent, schedule::PoseSystems},
+    character::{animator::Actions, intent::MoveIntent, schedule::PoseSystems},
     measure::record::Recorder,
     testing::{Stage, World as Ground},
 };
@@ -149,11 +149,17 @@ fn prints_what_walkers_take_from_the_heap() {
     let mannequin = stage.load_character("mannequin.character.ron").unwrap();
     let walkers = stage.spawn_loaded(mannequin, &ground.on_ground(&places));
     for walker in &walkers {
-        stage.intend(*walker, MoveIntent { velocity: Vec3::NEG_Z * 1.4, ..default() });
+        stage.intend(*walker, MoveIntent { velocity: Vec3::NEG_Z * 1.4, aim: Some(Vec3::NEG_Z), ..default() });
         // Records of every frame do take memory.
         stage.app().world_mut().entity_mut(*walker).remove::<Recorder>();
     }
-    stage.run_for(4.0);
+    stage.run_for(3.5);
+    for walker in &walkers {
+        let mut actions = stage.app().world_mut().get_mut::<Actions>(*walker).unwrap();
+        actions.play("wave");
+        actions.play("crouch_idle");
+    }
+    stage.run_for(0.5);
     stage.app().insert_resource(Taken::default());
     stage.run_for(2.0);
     let taken = stage.app().world().resource::<Taken>().stages;

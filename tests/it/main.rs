@@ -3,6 +3,8 @@
 #![expect(unreachable_pub, reason = "modules of one binary share their support")]
 #![expect(clippy::unwrap_used, reason = "a test whose scene cannot be set has failed")]
 
+mod actions;
+mod arms;
 #[cfg(feature = "game")]
 mod camera;
 mod chains;

@@ -1,12 +1,14 @@
 //! Clip weights and phases → local pose and model pose.
 //!
-//! Reads [`Locomotion`] and the character's clips; writes [`CharacterPose`].
+//! Reads [`Locomotion`], [`Actions`] and the character's clips; writes [`CharacterPose`].
 
+mod actions;
 mod balance;
 mod feet;
 
 use bevy::{prelude::*, utils::Parallel};
 
+pub use actions::Actions;
 pub use balance::{Balance, wanted_lean, wanted_stoop};
 
 use super::{Character, bind::CharacterAssets, locomotion::Locomotion, schedule::PoseSystems};
@@ -74,14 +76,17 @@ impl CharacterPose {
     }
 }
 
-/// Samples and blends clips, and leans the body.
+/// Samples and blends clips, lays actions over them, and leans the body.
 pub struct AnimatorPlugin;
 
 impl Plugin for AnimatorPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(
             PostUpdate,
-            ((animate, balance::keep_balance).chain().in_set(PoseSystems::Sample), complete.in_set(PoseSystems::Model)),
+            (
+                (animate, actions::act, balance::keep_balance).chain().in_set(PoseSystems::Sample),
+                complete.in_set(PoseSystems::Model),
+            ),
         );
     }
 }

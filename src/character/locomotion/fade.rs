@@ -1,25 +1,16 @@
 //! Cross-fades between any number of states: weights that sum to one, move without jumps in value or slope, and may be
 //! sent elsewhere at any time.
 
-/// One weight on its way.
-#[derive(Clone, Copy, Debug, Default)]
-struct Way {
-    start: f32,
-    slope: f32,
-    target: f32,
-}
+use crate::math::fade::Fade;
 
 /// Weights of all states of a machine.
 ///
-/// Each follows a cubic Hermite curve from its present value and slope to its target, in exactly the fade's time; an
-/// interrupted fade starts the next one with the value and slope that it had.
+/// Each is a [`Fade`] of its own; all of them together are normalised.
 #[derive(Clone, Debug)]
 pub struct Fades {
-    ways: Vec<Way>,
+    ways: Vec<Fade>,
     /// Where all ways are now, normalised.
     weights: Vec<f32>,
-    elapsed: f32,
-    seconds: f32,
     /// Whether all weights have arrived.
     settled: bool,
 }
@@ -29,19 +20,18 @@ impl Fades {
     #[must_use]
     pub fn new(count: usize, first: usize) -> Self {
         let at = |i| if i == first { 1.0 } else { 0.0 };
-        let ways = (0..count).map(|i| Way { start: at(i), slope: 0.0, target: at(i) }).collect();
-        Self { ways, weights: (0..count).map(at).collect(), elapsed: 0.0, seconds: 0.0, settled: true }
+        Self {
+            ways: (0..count).map(|i| Fade::at(at(i))).collect(),
+            weights: (0..count).map(at).collect(),
+            settled: true,
+        }
     }
 
     /// Sends all weight to `state` within `seconds`; at once for 0.
     pub fn send_to(&mut self, state: usize, seconds: f32) {
-        for index in 0..self.ways.len() {
-            let (value, slope) = self.now(index);
-            let target = if index == state { 1.0 } else { 0.0 };
-            self.ways[index] = Way { start: value, slope, target };
+        for (index, way) in self.ways.iter_mut().enumerate() {
+            way.send_to(if index == state { 1.0 } else { 0.0 }, seconds);
         }
-        self.elapsed = 0.0;
-        self.seconds = seconds.max(0.0);
         self.settled = false;
     }
 
@@ -50,15 +40,15 @@ impl Fades {
         if self.settled {
             return;
         }
-        self.elapsed = (self.elapsed + dt.max(0.0)).min(self.seconds + 1.0);
-        for index in 0..self.ways.len() {
-            self.weights[index] = self.now(index).0;
+        for (way, weight) in self.ways.iter_mut().zip(&mut self.weights) {
+            way.advance(dt);
+            *weight = way.value();
         }
         let total: f32 = self.weights.iter().sum();
         if total > 0.0 {
             self.weights.iter_mut().for_each(|weight| *weight /= total);
         }
-        self.settled = self.elapsed >= self.seconds;
+        self.settled = !self.is_fading();
     }
 
     /// Weight of `state` as of the last [`Fades::advance`], 0..=1; all sum to one.
@@ -70,22 +60,7 @@ impl Fades {
     /// Whether a fade is under way.
     #[must_use]
     pub fn is_fading(&self) -> bool {
-        self.elapsed < self.seconds
-    }
-
-    /// Value clamped to 0..=1, and slope per second.
-    fn now(&self, state: usize) -> (f32, f32) {
-        let way = self.ways[state];
-        if self.elapsed >= self.seconds {
-            return (way.target, 0.0);
-        }
-        let (t, u) = (self.seconds, self.elapsed / self.seconds);
-        let (u2, u3) = (u * u, u * u * u);
-        let value = (2.0 * u3 - 3.0 * u2 + 1.0) * way.start
-            + (u3 - 2.0 * u2 + u) * t * way.slope
-            + (3.0 * u2 - 2.0 * u3) * way.target;
-        let slope = (6.0 * u2 - 6.0 * u) / t * (way.start - way.target) + (3.0 * u2 - 4.0 * u + 1.0) * way.slope;
-        if (0.0..=1.0).contains(&value) { (value, slope) } else { (value.clamp(0.0, 1.0), 0.0) }
+        self.ways.iter().any(Fade::is_fading)
     }
 }
 

@@ -18,6 +18,8 @@ pub struct Scene {
     pub cues: Vec<(f32, MoveIntent)>,
     /// A trigger of the state machine, pulled after the first picture.
     pub trigger: Option<&'static str>,
+    /// An action, begun after the first picture.
+    pub action: Option<&'static str>,
     /// Second of the first picture.
     pub from: f32,
     /// Seconds from the first picture to where a thirteenth would be.
@@ -26,7 +28,7 @@ pub struct Scene {
 
 impl Scene {
     fn new(name: &'static str, from: f32, span: f32, cues: &[(f32, MoveIntent)]) -> Self {
-        Self { name, height: 0.0, cues: cues.to_vec(), trigger: None, from, span }
+        Self { name, height: 0.0, cues: cues.to_vec(), trigger: None, action: None, from, span }
     }
 
     /// A gait that has settled, filmed for `span` seconds.
@@ -64,6 +66,12 @@ fn aim(velocity: Vec3) -> MoveIntent {
     MoveIntent { velocity, facing: Some(Vec3::NEG_Z), ..default() }
 }
 
+/// As [`aim`], with an arm that points so many degrees to the left and up.
+fn point(velocity: Vec3, yaw: f32, pitch: f32) -> MoveIntent {
+    let way = Quat::from_rotation_y(yaw.to_radians()) * Quat::from_rotation_x(pitch.to_radians()) * Vec3::NEG_Z;
+    MoveIntent { aim: Some(way), ..aim(velocity) }
+}
+
 fn face(degrees: f32) -> MoveIntent {
     let facing = Quat::from_rotation_y(degrees.to_radians()) * Vec3::NEG_Z;
     MoveIntent { facing: Some(facing), ..default() }
@@ -96,6 +104,19 @@ pub fn all() -> Vec<Scene> {
         from_rest("turn_right", 0.5, 0.9, face(-90.0)),
         from_rest("turn_about", 0.5, 1.4, face(170.0)),
         Scene { trigger: Some("wave"), ..Scene::new("wave", 0.5, 3.0, &[]) },
+        Scene { action: Some("wave"), ..Scene::new("wave_walking", 2.5, 3.0, &[(0.0, go(1.4))]) },
+        Scene::new(
+            "aim",
+            0.45,
+            2.4,
+            &[
+                (0.5, point(Vec3::ZERO, 0.0, 0.0)),
+                (1.05, point(Vec3::ZERO, 25.0, 40.0)),
+                (1.65, point(Vec3::ZERO, -45.0, -35.0)),
+                (2.25, aim(Vec3::ZERO)),
+            ],
+        ),
+        Scene::gait("aim_strafing", 0.6, point(Vec3::X * 1.2, 0.0, 5.0)),
         from_rest("start_walk", 0.45, 0.9, go(1.4)),
         from_rest("start_run", 0.45, 0.9, go(3.5)),
         Scene::new("stop_walk", 2.0, 0.9, &[(0.0, go(1.4)), (2.05, still.clone())]),

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     SurefootPlugins,
-    character::{Character, intent::MoveIntent, locomotion::Locomotion, schedule::MotionSystems},
+    character::{Character, animator::Actions, intent::MoveIntent, locomotion::Locomotion, schedule::MotionSystems},
     game::{
         cli::Options,
         engine::{self, TICKS_PER_SECOND},
@@ -81,6 +81,16 @@ fn studio(size: UVec2, assets: &Path, scene: Scene) -> App {
     app
 }
 
+/// Pulls the scene's trigger and begins its action.
+fn begin(scene: &Scene, world: &mut World, actor: Entity) {
+    if let (Some(trigger), Some(mut locomotion)) = (scene.trigger, world.get_mut::<Locomotion>(actor)) {
+        locomotion.trigger(trigger);
+    }
+    if let (Some(action), Some(mut actions)) = (scene.action, world.get_mut::<Actions>(actor)) {
+        actions.play(action);
+    }
+}
+
 /// Plays one scene with a fresh actor and writes its sheet.
 fn film(app: &mut App, scene: Scene, file: &Path) -> Result<(), FilmError> {
     let start = Transform::from_translation(Vec3::Y * scene.height);
@@ -100,10 +110,8 @@ fn film(app: &mut App, scene: Scene, file: &Path) -> Result<(), FilmError> {
         ticks = due;
         captions.push(walk::caption(app.world_mut(), ticks as f32 / TICKS_PER_SECOND as f32 - scene.from));
         taken += keep(app, &mut sheet, &captions);
-        if let (0, Some(trigger), Some(mut locomotion)) =
-            (picture, scene.trigger, app.world_mut().get_mut::<Locomotion>(actor))
-        {
-            locomotion.trigger(trigger);
+        if picture == 0 {
+            begin(&scene, app.world_mut(), actor);
         }
     }
     for _ in 0..PATIENCE {

@@ -1,5 +1,7 @@
 //! What a developer tunes, one file per stage. Radians in code, degrees in RON.
 
+pub mod actions;
+pub mod aim;
 pub mod balance;
 pub mod degrees;
 pub mod foot_ik;
