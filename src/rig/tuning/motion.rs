@@ -43,7 +43,7 @@ pub struct MotionConfig {
     /// Small: turns start lazily. Large: they jerk, since the feet stand while the body turns over them.
     #[serde(with = "super::degrees")]
     pub turn_acceleration: f32,
-    /// Fastest turn, degrees per second in RON. Default 540°.
+    /// Fastest turn, degrees per second in RON. Default 450°.
     #[serde(with = "super::degrees")]
     pub turn_rate: f32,
     /// Fastest turn on the spot, degrees per second in RON. Default 120°.
