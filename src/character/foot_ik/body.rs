@@ -36,6 +36,8 @@ pub(super) struct Body<'a> {
     pub(super) locomotion: &'a Locomotion,
     pub(super) asset: &'a CharacterAsset,
     pub(super) dt: f32,
+    /// How fast it turns about +Y, rad/s, as feet see it.
+    pub(super) turns: f32,
 }
 
 impl Body<'_> {
@@ -66,7 +68,13 @@ impl Body<'_> {
     }
 
     /// The foot as the clip has it, in world space, its stride warped to the ground speed.
-    pub(super) fn animated_foot(&self, pose: &CharacterPose, side: usize, shape: SoleShape) -> AnimatedFoot {
+    pub(super) fn animated_foot(
+        &self,
+        pose: &CharacterPose,
+        side: usize,
+        shape: SoleShape,
+        state: &FootState,
+    ) -> AnimatedFoot {
         let leg = &self.asset.legs[side];
         let cue = self.locomotion.cues[side];
         let world_from_model = self.root.to_isometry();
@@ -75,7 +83,7 @@ impl Body<'_> {
         let shift = warp(ankle_model);
         let sole = sole_model(&pose.pose, leg).map(|point| world_from_model * (point + shift));
         // A foot that is about to land is already where the body's turn will have it, so that it comes to rest in the world.
-        let share = if cue.contact < 0.5 { ease(cue.swing) } else { 0.0 };
+        let share = if cue.contact < 0.5 { state.share_of_flight() } else { 0.0 };
         let from_root = sole[1] - self.root.translation;
         let ahead = self.turn_ahead(cue.time_to_contact, share) * from_root - from_root;
         let sole = sole.map(|point| point + ahead);
@@ -114,7 +122,7 @@ impl Body<'_> {
 
     /// A share of the turn that the body makes in `seconds`.
     fn turn_ahead(&self, seconds: f32, share: f32) -> Quat {
-        from_scaled_axis(Vec3::Y * ((self.motion.yaw_rate * seconds).clamp(-1.2, 1.2) * share))
+        from_scaled_axis(Vec3::Y * ((self.turns * seconds).clamp(-1.2, 1.2) * share))
     }
 
     /// Horizontal shift, in model space, that scales the stride about the hip along the way the body goes.
@@ -203,9 +211,11 @@ impl Body<'_> {
             keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
         }
         let fastest = self.locomotion.leg_speed(self.asset).max(hurry);
+        let asked = pose.pose.position(leg.foot);
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
         foot.note_droop(&pose.pose, leg, placed);
         foot.missed = result.missed;
+        foot.behind = pose.pose.position(leg.foot).distance(asked);
         result
     }
 }

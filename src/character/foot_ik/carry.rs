@@ -13,6 +13,8 @@ const SHORTEST: f32 = 0.05;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Carry {
     phase: Phase,
+    /// Whether a gait lifted it, and only its first moments are eased.
+    brief: bool,
     /// Where the point was last, and its velocity then.
     place: Option<Vec3>,
     velocity: Vec3,
@@ -34,7 +36,18 @@ enum Phase {
 impl Carry {
     /// From now on the point goes another way.
     pub(super) fn begin(&mut self) {
-        self.phase = Phase::Begun;
+        (self.phase, self.brief) = (Phase::Begun, false);
+    }
+
+    /// A gait lifts the point off its ground: over the ground it goes on as it was for a moment, since the body may have turned
+    /// or braked meanwhile. Upward it goes with the gait.
+    pub(super) fn lift_off(&mut self) {
+        (self.phase, self.brief) = (Phase::Begun, true);
+    }
+
+    /// Whether a gait lifted it.
+    pub(super) fn is_brief(&self) -> bool {
+        self.brief
     }
 
     /// The point is where it belongs.
@@ -58,6 +71,11 @@ impl Carry {
 
     /// The offset from the new way, which is at `new` now; it is over within `left` seconds.
     pub(super) fn offset(&mut self, new: Vec3, left: f32, dt: f32) -> Vec3 {
+        let offset = self.eased(new, left, dt);
+        if self.brief { offset.with_y(0.0) } else { offset }
+    }
+
+    fn eased(&mut self, new: Vec3, left: f32, dt: f32) -> Vec3 {
         match self.phase {
             Phase::Over => Vec3::ZERO,
             Phase::Begun => {
@@ -67,9 +85,9 @@ impl Carry {
             }
             Phase::Seen { offset, new: last } => {
                 let velocity = self.velocity - (new - last) / dt.max(1e-4);
-                let seconds = left.clamp(SHORTEST, LONGEST);
+                let seconds = if self.brief { SHORTEST } else { left.clamp(SHORTEST, LONGEST) };
                 self.phase = Phase::Eases { offset, velocity, elapsed: 0.0, seconds };
-                self.offset(new, left, dt)
+                self.eased(new, left, dt)
             }
             Phase::Eases { offset, velocity, elapsed, seconds } => {
                 let elapsed = elapsed + dt;

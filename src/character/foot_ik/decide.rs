@@ -32,6 +32,8 @@ const DOWN: f32 = 0.03;
 const THERE: f32 = 0.08;
 /// Metres by which a leg may miss its place on the ground: one that misses it by more isn't there.
 const MISSES: f32 = 0.02;
+/// Metres by which a leg may be behind its foot's place when the foot comes to stand there: it would slide the rest.
+const BEHIND: f32 = 0.01;
 /// Share of its time in the air from which on a foot counts as landed when its clip stands.
 const NEARLY: f32 = 0.85;
 /// Metres of a step from which on it is lifted by the whole step height.
@@ -75,7 +77,7 @@ impl FootState {
             Mode::Swing if foot.contact >= 0.5 || around.halts => {
                 let aside = flat(self.placed_ball - self.landing.place).length();
                 let (down, amid) = if around.halts { (TOUCHES, true) } else { (DOWN, self.flight.share() < NEARLY) };
-                if self.missed > MISSES || amid && (self.above > down || aside > THERE) {
+                if self.missed > MISSES || self.behind > BEHIND || amid && (self.above > down || aside > THERE) {
                     self.finish_step(foot, aside);
                 } else {
                     self.lock(foot, around);
@@ -86,7 +88,7 @@ impl FootState {
                 if foot.contact < 0.5 && !around.halts {
                     self.mode = Mode::Swing;
                     self.change_way(foot);
-                } else if elapsed >= seconds || self.touches_down() {
+                } else if elapsed >= seconds && self.behind < BEHIND || self.touches_down() {
                     self.lock(foot, around);
                 }
             }
@@ -113,6 +115,8 @@ impl FootState {
         self.flight.leave(plant.map(|plant| plant.ground), around.frames);
         if self.flight.leaves_late() {
             self.carry.begin();
+        } else {
+            self.carry.lift_off();
         }
     }
 
@@ -142,6 +146,10 @@ impl FootState {
     /// A foot that finishes what its clip began is down as soon as it is there.
     fn touches_down(&self) -> bool {
         let aside = flat(self.placed_ball - self.landing.place).length();
-        self.flight.finishes && self.flight.share() > 0.0 && self.above < TOUCHES && aside < THERE
+        self.flight.finishes
+            && self.flight.share() > 0.0
+            && self.behind < BEHIND
+            && self.above < TOUCHES
+            && aside < THERE
     }
 }

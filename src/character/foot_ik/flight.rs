@@ -60,7 +60,7 @@ pub(super) struct Flight {
     /// Turns of take-off: about +Y against the clip, and to the ground.
     yaw: f32,
     align: Quat,
-    /// Share of the clip's swing that had passed at take-off, and of what was left then, that has passed by now.
+    /// Share of the clip's swing that had passed at take-off, and of its time in the air that has passed by now.
     since: f32,
     share: f32,
     way: Way,
@@ -102,10 +102,12 @@ impl Flight {
         self.share
     }
 
-    /// How much of the clip's swing since take-off has passed, 0..1.
-    fn advance(&mut self, foot: &AnimatedFoot) -> f32 {
+    /// How much of its time in the air has passed, `dt` seconds later: the rest of it is over when the clip's foot lands,
+    /// however often the clips change their minds when that is.
+    fn advance(&mut self, foot: &AnimatedFoot, dt: f32) -> f32 {
         if foot.swing < 1.0 {
-            self.share = self.share.max((foot.swing - self.since) / (1.0 - self.since)).min(1.0);
+            let left = foot.time_to_contact.max(0.0);
+            self.share = 1.0 - (1.0 - self.share) * left / (left + dt);
         }
         self.share
     }
@@ -115,12 +117,16 @@ impl Flight {
         self.since > LATE
     }
 
+    /// How much what is right before the foot is in its way, 0..1.
+    fn blocked(&self) -> f32 {
+        (self.way.ahead() / BLOCKS).min(1.0)
+    }
+
     /// A foot that leaves in the middle of the clip's swing, or before a step up, is let go by and by, until it is off the
     /// ground.
     fn held(&self, ball: Vec3) -> Vec3 {
-        let blocked = self.way.ahead() / BLOCKS;
         let tilt = TILTED.1 * (to_scaled_axis(self.align).length() / TILTED.0).min(1.0);
-        let window = tilt.max(HOLD * (self.since / LATE).max(blocked).min(1.0));
+        let window = tilt.max(HOLD * (self.since / LATE).max(self.blocked()).min(1.0));
         self.takeoff.lerp(ball, ease((self.share / window.max(1e-3)).min(1.0)))
     }
 
@@ -140,7 +146,7 @@ impl FootState {
         around: &Surroundings<'_, P, G>,
     ) -> PlacedFoot {
         let time_left = foot.time_to_contact.clamp(0.0, 0.6);
-        let eased = ease(self.flight.advance(foot));
+        let eased = ease(self.flight.advance(foot, around.dt));
         self.landing.foresee(foot.landing, foot.landing_forward, time_left, self.base, around);
         self.look_over_the_way(foot, around);
         let at_landing = flat(self.landing.place - foot.landing);
@@ -213,7 +219,9 @@ impl FootState {
         placed.takeoff = self.flight.takeoff;
         placed.landing = Some((landing, time_left));
         let kept = self.carry.offset(placed.ankle, 0.8 * time_left, around.dt);
-        self.shift(&mut placed, kept);
+        // A foot with something right before it is held by its place instead.
+        let free = if self.carry.is_brief() { 1.0 - self.flight.blocked() } else { 1.0 };
+        self.shift(&mut placed, kept * free);
         self.clear(&mut placed, around);
         let ground = Plane { point: landing, normal: self.landing.align * Vec3::Y };
         self.above = placed.sole.into_iter().map(|point| point.y - ground.height(point)).fold(f32::MAX, f32::min);

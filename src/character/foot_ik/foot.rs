@@ -115,6 +115,8 @@ pub struct FootState {
     pub(super) pace: Pace,
     /// Metres by which the leg didn't reach where the foot was put in the last frame.
     pub(super) missed: f32,
+    /// Metres by which the leg, which moves no faster than it may, was behind that.
+    pub(super) behind: f32,
     /// Metres from the sole's lowest point, in the air, down to where it will stand.
     pub(super) above: f32,
     /// Turn about +Y from the clip's foot to the placed foot, radians.
@@ -192,6 +194,11 @@ impl FootState {
         };
         self.carry.note(placed.ankle, around.dt);
         placed
+    }
+
+    /// How much of its time in the air has passed, eased, 0..1; 0 on the ground.
+    pub(super) fn share_of_flight(&self) -> f32 {
+        if self.mode == Mode::Swing { ease(self.flight.share()) } else { 0.0 }
     }
 
     /// Whether it was in the air without ground in the last frame.

@@ -41,6 +41,8 @@ use crate::{
     rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
 };
 
+/// Half-life in seconds over which feet take up how fast the body turns.
+const TURNS_HALF_LIFE: f32 = 0.04;
 /// Seconds for which who has left the ground still counts as on it.
 const STILL_GROUNDED: f32 = 0.1;
 /// Upward speed in m/s from which a body in the air has jumped.
@@ -66,6 +68,8 @@ pub struct FootIk {
     pub weight: f32,
     soles: [SoleShape; 2],
     teleports: u32,
+    /// How fast the body turns about +Y, rad/s, smoothed.
+    turns: f32,
 }
 
 impl FootIk {
@@ -121,7 +125,9 @@ fn plant(
     }
     characters.par_iter_mut().for_each(|(character, root, motion, locomotion, filter, mut pose, mut ik)| {
         let Some(asset) = assets.get(character) else { return };
-        let body = Body { root, motion, locomotion, asset, dt };
+        // Landings turn with the body; one that begins to turn would throw them about.
+        ik.turns = damp(ik.turns, motion.yaw_rate, TURNS_HALF_LIFE, dt);
+        let body = Body { root, motion, locomotion, asset, dt, turns: ik.turns };
         let config = asset.file.foot_ik.for_leg(asset.leg_length);
         let probe = grounds.near(filter, body.reach(&config), STRIDE * asset.leg_length);
         ik.place(&body, &mut pose, &probe, &frames);
@@ -140,7 +146,7 @@ impl FootIk {
         let grounded = body.motion.ground.is_some() || (body.motion.air_time < STILL_GROUNDED && !rises);
         let goal = if config.enabled && grounded { 1.0 } else { 0.0 };
         self.weight = damp(self.weight, goal, config.air_half_life, body.dt);
-        let animated = [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side]));
+        let animated = [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side], &self.feet[side]));
         if body.motion.teleports != self.teleports {
             self.teleports = body.motion.teleports;
             self.reset();

@@ -16,7 +16,7 @@ use super::{
     slope::{limit_cos, rise_along, walkable},
     space::View,
     speed::{SpeedRates, approach_velocity, slowed_by_grade},
-    turn::{TurnRates, turn_toward, way_round},
+    turn::{TurnRates, brakes_first, turn_toward, way_round},
     walk::walk,
 };
 use crate::{
@@ -221,6 +221,9 @@ impl Tick<'_> {
         let goal = if flat.length() > least { heading(flat) } else { body.yaw.value };
         let stands = body.support.is_some() && intent.velocity == Vec3::ZERO && body.velocity.length() < TURNING_SPEED;
         let most = if stands { config.turn_rate.min(config.standing_turn_rate) } else { config.turn_rate };
+        let away = -body.velocity.dot(direction_or(flat, Vec3::ZERO));
+        let brakes = if intent.facing.is_none() { brakes_first(away, config.walk_speed) } else { 1.0 };
+        let most = most * brakes;
         let rates = TurnRates { half_life: config.turn_half_life, most, gain: config.turn_acceleration };
         let yaw = turn_toward(body.yaw, goal, rates, self.dt);
         state.ground_yaw_rate = wrap_angle(yaw.value - body.yaw.value) / self.dt;

@@ -43,6 +43,16 @@ pub(super) fn turn_toward(yaw: Spring<f32>, goal: f32, rates: TurnRates, dt: f32
     Spring { value: wrap_angle(yaw.value + spring.value), velocity: spring.velocity }
 }
 
+/// Speed in m/s beyond a walk over which a body gives up turning while it brakes, and the share of its turn that it keeps.
+const BRAKES: (f32, f32) = (1.0, 0.1);
+
+/// Share of its fastest turn that a body makes which moves at `speed` m/s away from where it shall face: who runs brakes
+/// first, to about `walk` m/s, since legs that stand wide can't turn.
+#[must_use]
+pub(super) fn brakes_first(speed: f32, walk: f32) -> f32 {
+    (1.0 - (speed - walk) / BRAKES.0).clamp(BRAKES.1, 1.0)
+}
+
 /// Angle from the heading `yaw` to `goal`, the way that it turns.
 #[must_use]
 pub(super) fn way_round(yaw: Spring<f32>, goal: f32) -> f32 {
@@ -65,6 +75,14 @@ mod tests {
             yaw = turn_toward(yaw, PI / 2.0, RATES, 1.0 / 64.0);
         }
         assert!((yaw.value - PI / 2.0).abs() < 0.02, "at {}° after 0.5 s", yaw.value.to_degrees());
+    }
+
+    #[test]
+    fn who_runs_back_brakes_before_turning() {
+        let shares = [3.5, 2.4, 1.9, 1.4, 0.0, -3.5].map(|speed| brakes_first(speed, 1.4));
+        let told = [0.1, 0.1, 0.5, 1.0, 1.0, 1.0];
+        let off = shares.iter().zip(told).map(|(share, told)| (share - told).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-5, "turns by {shares:?} of its fastest");
     }
 
     #[test]
