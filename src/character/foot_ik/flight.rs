@@ -18,6 +18,8 @@ use crate::math::{
 
 /// Depth in metres to which a flying foot may graze the ground.
 const TOUCH: f32 = 0.002;
+/// Metres beyond heel and tip that clear the ground too: an edge is not passed by a hair.
+const RIM: f32 = 0.005;
 /// Metres that a swinging foot keeps from its ground, and the shares of a swing at both ends in which that eases.
 const CLEARS: f32 = 0.015;
 const EDGES: f32 = 0.2;
@@ -233,8 +235,9 @@ impl FootState {
         self.flight.guard *= remaining(GUARD_HALF_LIFE, around.dt);
         let mut deepest = self.flight.guard;
         let keeps = (CLEARS + TOUCH) * self.flight.amid() - TOUCH;
-        for point in placed.sole {
-            if let Some(ground) = around.reach.height(around.probe, point) {
+        let rim = flat(placed.sole[2] - placed.sole[0]).normalize_or_zero() * RIM;
+        for (point, out) in placed.sole.into_iter().zip([-rim, Vec3::ZERO, rim]) {
+            if let Some(ground) = around.reach.height(around.probe, point + out) {
                 deepest = deepest.max(ground - point.y + keeps + self.droops);
             }
         }

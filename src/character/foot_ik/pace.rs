@@ -13,7 +13,7 @@ use crate::{
 /// How much faster than in the clips a leg may move: up to twice looks like the clip.
 const LIVELIER: f32 = 1.7;
 /// Seconds in which a leg at rest may come to move as fast as it may.
-const STARTS: f32 = 0.025;
+const STARTS: f32 = 0.0285;
 /// Seconds for which a leg that has come down still moves as in the air.
 const LANDS: f32 = 0.02;
 /// Share of what is asked by which a leg that is late makes more of it in every frame, until it has caught up.
