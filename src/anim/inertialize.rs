@@ -1,21 +1,24 @@
 //! Inertialization: the new clip plays at once, the old pose's offset from it decays, velocity and all.
 //!
-//! Local space, joint by joint. Sources: David Bollo, "Inertialization" (GDC 2018); Daniel Holden, "Inertialization
-//! Transition Cost" and "Spring-It-On" (theorangeduck.com), whose critically damped decay this is.
+//! Local space, joint by joint. Source: David Bollo, "Inertialization: High-Performance Animation Transitions in Gears of War"
+//! (GDC 2018). It starts without acceleration, as no spring does: arms that hang far from where they shall be aren't
+//! thrown there.
 
 use bevy::math::Vec3;
 
 use super::skeleton::JointTransform;
 use crate::math::{
+    fade::ebb,
     rotation::{from_scaled_axis, to_scaled_axis},
-    spring::Spring,
 };
 
-/// Offsets of one joint.
+/// Offsets of one joint when the change began, rotation vector and metres, and how fast it moved then, per second.
 #[derive(Clone, Copy, Debug, Default)]
 struct Offset {
-    rotation: Spring<Vec3>,
-    translation: Spring<Vec3>,
+    rotation: Vec3,
+    turn: Vec3,
+    translation: Vec3,
+    velocity: Vec3,
 }
 
 /// Decaying offsets of a whole pose. Buffers are sized once.
@@ -27,12 +30,9 @@ pub struct Inertializer {
     before: Vec<JointTransform>,
     dt: f32,
     frames: u8,
-    half_life: f32,
-    active: bool,
+    elapsed: f32,
+    seconds: f32,
 }
-
-/// Offsets below this, in radians or metres, are over.
-const OVER: f32 = 1e-5;
 
 impl Inertializer {
     /// For poses of `joint_count` joints.
@@ -46,43 +46,38 @@ impl Inertializer {
         }
     }
 
-    /// From now on `pose` is played instead of what was recorded: the difference becomes the offset.
+    /// From now on `pose` is played instead of what was recorded: the difference becomes the offset, which is gone after
+    /// `seconds`.
     ///
-    /// `half_life` in seconds. Without two recorded frames there is nothing to carry over.
-    pub fn begin(&mut self, pose: &[JointTransform], half_life: f32) {
+    /// Without two recorded frames there is nothing to carry over.
+    pub fn begin(&mut self, pose: &[JointTransform], seconds: f32) {
         if self.frames < 2 {
             return;
         }
-        self.half_life = half_life;
-        self.active = true;
+        (self.elapsed, self.seconds) = (0.0, seconds);
         let per_second = 1.0 / self.dt.max(1e-4);
         for (((offset, last), before), new) in self.offsets.iter_mut().zip(&self.last).zip(&self.before).zip(pose) {
-            offset.rotation = Spring {
-                value: to_scaled_axis(last.rotation * new.rotation.inverse()),
-                velocity: to_scaled_axis(last.rotation * before.rotation.inverse()) * per_second,
-            };
-            offset.translation = Spring {
-                value: last.translation - new.translation,
+            *offset = Offset {
+                rotation: to_scaled_axis(last.rotation * new.rotation.inverse()),
+                turn: to_scaled_axis(last.rotation * before.rotation.inverse()) * per_second,
+                translation: last.translation - new.translation,
                 velocity: (last.translation - before.translation) * per_second,
             };
         }
     }
 
-    /// Adds what is left of the offset to `pose`, after letting it decay for `dt` seconds.
+    /// Adds what is left of the offset to `pose`, `dt` seconds later.
     pub fn apply(&mut self, pose: &mut [JointTransform], dt: f32) {
-        if !self.active {
+        self.elapsed += dt;
+        if self.elapsed >= self.seconds {
             return;
         }
-        let mut largest = 0.0f32;
-        for (offset, joint) in self.offsets.iter_mut().zip(pose) {
-            offset.rotation.step(Vec3::ZERO, self.half_life, dt);
-            offset.translation.step(Vec3::ZERO, self.half_life, dt);
-            joint.rotation = (from_scaled_axis(offset.rotation.value) * joint.rotation).normalize();
-            joint.translation += offset.translation.value;
-            largest =
-                largest.max(offset.rotation.value.length_squared()).max(offset.translation.value.length_squared());
+        let (t, seconds) = (self.elapsed / self.seconds, self.seconds);
+        for (offset, joint) in self.offsets.iter().zip(pose) {
+            let turn = ebb(offset.rotation, offset.turn * seconds, t);
+            joint.rotation = (from_scaled_axis(turn) * joint.rotation).normalize();
+            joint.translation += ebb(offset.translation, offset.velocity * seconds, t);
         }
-        self.active = largest > OVER * OVER;
     }
 
     /// Remembers a finished pose, so that an offset can be taken from it.
@@ -108,13 +103,13 @@ mod tests {
         let mut inertializer = Inertializer::new(1);
         inertializer.record(&bent(0.98), dt);
         inertializer.record(&bent(1.0), dt);
-        inertializer.begin(&bent(0.0), 0.1);
+        inertializer.begin(&bent(0.0), 0.4);
         let mut last = 1.0;
         for frame in 0..120 {
             let mut pose = bent(0.0);
             inertializer.apply(&mut pose, dt);
             let angle = to_scaled_axis(pose[0].rotation).x;
-            assert!((angle - last).abs() < 0.12, "jumped by {} in frame {frame}", (angle - last).abs());
+            assert!((angle - last).abs() < 0.1, "jumped by {} in frame {frame}", (angle - last).abs());
             last = angle;
         }
         assert!(last.abs() < 1e-3, "{last} rad are left");

@@ -1,5 +1,7 @@
 //! One value on its way to another: in exactly the time given, without jumps in value or slope.
 
+use bevy::math::Vec3;
+
 /// A weight that fades. It may be sent elsewhere at any time.
 ///
 /// It follows a cubic Hermite curve from its present value and slope to its target; an interrupted fade starts the next
@@ -65,6 +67,18 @@ impl Fade {
     }
 }
 
+/// What is left of an `offset` that started to move with `speed` (per unit of `t`), at `t` from 0 to 1: it ends at rest at 1, and
+/// starts and ends without acceleration.
+///
+/// The quintic of Bollo, "Inertialization: High-Performance Animation Transitions in Gears of War" (GDC 2018), with no
+/// acceleration at its start.
+#[must_use]
+pub fn ebb(offset: Vec3, speed: Vec3, t: f32) -> Vec3 {
+    let rest = 1.0 - t.clamp(0.0, 1.0);
+    let cube = rest * rest * rest;
+    offset * (cube * (1.0 + 3.0 * t + 6.0 * t * t)) + speed * (cube * t * (1.0 + 3.0 * t))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -98,5 +112,15 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn an_offset_ebbs_as_told_and_ends_at_rest() {
+        let at = |t| ebb(Vec3::X, Vec3::Y, t);
+        assert!((at(0.0) - Vec3::X).length() < 1e-6 && at(1.0).length() < 1e-6);
+        let speed = (at(0.01) - at(0.0)) / 0.01;
+        assert!((speed - Vec3::Y).length() < 0.01, "starts with {speed}");
+        let last = at(0.99).length();
+        assert!(last < 1e-4, "{last} left just before its end");
     }
 }

@@ -24,9 +24,6 @@ use crate::{
     rig::{character::CharacterAsset, tuning::locomotion::TransitionBlend},
 };
 
-/// Half-life of an inertialized change, as a fraction of its fade: 99 % are gone when the fade is over.
-const HALF_LIFE_OF_FADE: f32 = 0.2;
-
 /// A character's pose: written by the animator, changed by foot IK, read by skinning.
 #[derive(Component, Clone, Debug, Default)]
 pub struct CharacterPose {
@@ -65,7 +62,7 @@ impl CharacterPose {
         }
         let blended = corrects.then(|| feet::ankles(self.pose.locals(), &asset.skeleton, &asset.legs));
         if let Some(taken) = locomotion.taken.filter(|taken| taken.blend == TransitionBlend::Inertialize) {
-            self.inertializer.begin(self.pose.locals(), taken.fade * HALF_LIFE_OF_FADE);
+            self.inertializer.begin(self.pose.locals(), taken.fade);
         }
         self.inertializer.apply(self.pose.locals_mut(), dt);
         self.pose.update_model_of(&asset.skeleton, &asset.trunk);

@@ -5,7 +5,6 @@
 use bevy::{math::ops, prelude::*};
 
 use super::{
-    flight::ease,
     foot::FootState,
     ground::{Reach, SoleShape},
     pelvis::LegReach,

@@ -1,9 +1,11 @@
 //! What a foot keeps of its motion when its way changes: it goes on as it was and eases into the new way.
 //!
 //! Inertialization of one point, world space, metres: the offset from the new way starts with the old place and speed and
-//! ends with neither offset, speed nor acceleration. Source: David Bollo, "Inertialization" (GDC 2018), quintic decay.
+//! ends with neither offset, speed nor acceleration.
 
 use bevy::prelude::*;
+
+use crate::math::fade::ebb;
 
 /// Seconds of the longest and the shortest easing.
 const LONGEST: f32 = 0.3;
@@ -96,17 +98,10 @@ impl Carry {
                     return Vec3::ZERO;
                 }
                 self.phase = Phase::Eases { offset, velocity, elapsed, seconds };
-                quintic(offset, velocity * seconds, elapsed / seconds)
+                ebb(offset, velocity * seconds, elapsed / seconds)
             }
         }
     }
-}
-
-/// From `offset` with `speed` (per unit of `t`) at `t` = 0 to rest at `t` = 1, with no acceleration at both ends.
-fn quintic(offset: Vec3, speed: Vec3, t: f32) -> Vec3 {
-    let rest = 1.0 - t;
-    let cube = rest * rest * rest;
-    offset * (cube * (1.0 + 3.0 * t + 6.0 * t * t)) + speed * (cube * t * (1.0 + 3.0 * t))
 }
 
 #[cfg(test)]
@@ -140,15 +135,5 @@ mod tests {
         }
         let off = places[30].distance(new(30.0 * DT));
         assert!(off < 1e-5, "{off} m off its new way after 0.33 s");
-    }
-
-    #[test]
-    fn the_decay_starts_as_told_and_ends_at_rest() {
-        let at = |t| quintic(Vec3::X, Vec3::Y, t);
-        assert!((at(0.0) - Vec3::X).length() < 1e-6 && at(1.0).length() < 1e-6);
-        let speed = (at(0.01) - at(0.0)) / 0.01;
-        assert!((speed - Vec3::Y).length() < 0.01, "starts with {speed}");
-        let last = at(0.99).length();
-        assert!(last < 1e-4, "{last} left just before its end");
     }
 }

@@ -102,7 +102,7 @@ fn all<const N: usize>(conditions: [Condition; N]) -> Condition {
 
 fn in_the_air() -> Vec<TransitionConfig> {
     vec![
-        sudden(&[], "jump", Jumped, 0.15),
+        sudden(&[], "jump", Jumped, 0.25),
         change(&[STILL, GOING, CROUCHED, LANDING], "fall", AirborneFor(0.12), 0.25),
         change(&[&["jump"]], "fall", FallingFaster(1.0), 0.25),
         change(&[&["jump"]], "fall", Finished, 0.25),
@@ -112,16 +112,16 @@ fn in_the_air() -> Vec<TransitionConfig> {
 fn landings() -> Vec<TransitionConfig> {
     let on_the_way = |speed| all([Grounded, Upright, SpeedAbove(speed)]);
     vec![
-        sudden(&[AIRBORNE], "land_hard", all([Upright, LandedFaster(HARD), SpeedBelow(RUN_NO_MORE)]), 0.12),
-        sudden(&[AIRBORNE], "strafe", all([Grounded, Upright, FacingLocked, SpeedAbove(0.5)]), 0.2),
-        sudden(&[AIRBORNE], "sprint", on_the_way(SPRINT), 0.2),
-        sudden(&[AIRBORNE], "run", on_the_way(RUN_NO_MORE), 0.2),
-        sudden(&[AIRBORNE], "walk", on_the_way(0.5), 0.2),
-        sudden(&[AIRBORNE], "crouch_strafe", all([Grounded, Crouched, FacingLocked, SpeedAbove(0.5)]), 0.2),
-        sudden(&[AIRBORNE], "crouch_walk", all([Grounded, Crouched, SpeedAbove(0.5)]), 0.2),
-        sudden(&[AIRBORNE], "crouch_idle", all([Grounded, Crouched]), 0.2),
-        sudden(&[AIRBORNE], "land_light", Grounded, 0.12),
-        sudden(&[AIRBORNE], "idle", Grounded, 0.2),
+        sudden(&[AIRBORNE], "land_hard", all([Upright, LandedFaster(HARD), SpeedBelow(RUN_NO_MORE)]), 0.08),
+        sudden(&[AIRBORNE], "strafe", all([Grounded, Upright, FacingLocked, SpeedAbove(0.5)]), 0.3),
+        sudden(&[AIRBORNE], "sprint", on_the_way(SPRINT), 0.3),
+        sudden(&[AIRBORNE], "run", on_the_way(RUN_NO_MORE), 0.3),
+        sudden(&[AIRBORNE], "walk", on_the_way(0.5), 0.3),
+        sudden(&[AIRBORNE], "crouch_strafe", all([Grounded, Crouched, FacingLocked, SpeedAbove(0.5)]), 0.3),
+        sudden(&[AIRBORNE], "crouch_walk", all([Grounded, Crouched, SpeedAbove(0.5)]), 0.3),
+        sudden(&[AIRBORNE], "crouch_idle", all([Grounded, Crouched]), 0.3),
+        sudden(&[AIRBORNE], "land_light", Grounded, 0.2),
+        sudden(&[AIRBORNE], "idle", Grounded, 0.3),
     ]
 }
 
