@@ -10,6 +10,7 @@ mod assemble;
 pub mod bounds;
 mod convert;
 mod dress;
+mod halves;
 pub mod layout;
 pub mod material;
 pub mod mesh;
