@@ -9,6 +9,7 @@ pub mod arena;
 mod assemble;
 pub mod bounds;
 mod convert;
+pub mod detail;
 mod dress;
 mod halves;
 pub mod layout;
@@ -33,6 +34,7 @@ use std::path::{Path, PathBuf};
 pub use self::{
     arena::{SkinArena, SkinRange},
     bounds::PoseBounds,
+    detail::{DetailLevel, DetailLevels, ScreenDetail},
     layout::JointMatrix,
     material::{SkinExtension, SkinnedMaterial},
     mesh::{SkinMeshError, skin_mesh},
@@ -71,6 +73,7 @@ impl Plugin for SkinningPlugin {
         palette::observe(app);
         if app.is_plugin_added::<PbrPlugin>() {
             embed_shaders(app);
+            detail::plugin(app);
             app.add_plugins((
                 MaterialPlugin::<SkinnedMaterial>::default(),
                 model::SkinnedModelPlugin,

@@ -35,6 +35,8 @@ pub(super) struct Body<'a> {
     pub(super) motion: &'a MotionState,
     pub(super) locomotion: &'a Locomotion,
     pub(super) asset: &'a CharacterAsset,
+    /// Whether feet shall find the ground at all.
+    pub(super) wanted: bool,
     pub(super) dt: f32,
 }
 
