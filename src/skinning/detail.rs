@@ -33,8 +33,8 @@ impl Default for ScreenDetail {
 pub struct DetailLevels {
     /// From the largest on the screen to the smallest.
     ///
-    /// Default: a fifth of the view's height or more has everything in every frame; down to a twelfth 30 poses a second; down to
-    /// a thirtieth as many without feet and look; below 15.
+    /// Default: a fifth of the view's height or more has everything in every frame; down to a twelfth 30 poses a second; below as
+    /// many without feet and look.
     pub levels: Vec<DetailLevel>,
     /// Share of a level's size by which a character must be smaller to leave it. Default 0.15.
     ///
@@ -62,12 +62,7 @@ impl Default for DetailLevels {
             detail: Detail { step, feet: close, look: close, posed: true },
         };
         Self {
-            levels: vec![
-                level(0.2, 0.0, true),
-                level(1.0 / 12.0, 1.0 / 30.0, true),
-                level(1.0 / 30.0, 1.0 / 30.0, false),
-                level(0.0, 1.0 / 15.0, false),
-            ],
+            levels: vec![level(0.2, 0.0, true), level(1.0 / 12.0, 1.0 / 30.0, true), level(0.0, 1.0 / 30.0, false)],
             hysteresis: 0.15,
             margin: 2.0,
         }
@@ -139,7 +134,7 @@ mod tests {
         let levels = DetailLevels::default();
         let sizes = [0.9, 0.19, 0.1, 0.05, 0.01];
         let got = sizes.map(|size| levels.level(size, usize::MAX));
-        assert_eq!(got, [0, 1, 1, 2, 3], "levels of {sizes:?}");
+        assert_eq!(got, [0, 1, 1, 2, 2], "levels of {sizes:?}");
         assert_eq!((levels.level(0.19, 0), levels.level(0.16, 0)), (0, 1), "down only once it is 15 % smaller");
         assert_eq!(levels.level(0.2, 1), 0, "up at once");
     }
