@@ -131,9 +131,13 @@ fn who_moves_is_uploaded_and_nothing_is_made_anew() {
     let owners = crowd(&mut studio, &stock, 100);
     studio.picture();
     let before = studio.last_upload();
-    for moment in 1..5u8 {
+    for moment in 0..5u8 {
         pose(&mut studio, owners[70], &tube_palette(JOINTS, 0.1 * f32::from(moment), 0.0));
         studio.step();
+        if moment == 0 {
+            // The other half of the buffer still lacks how the crowd came.
+            continue;
+        }
         let one = studio.last_upload();
         assert_eq!((one.bytes, one.writes), (48 * JOINTS as u64 + 16, 2), "one of a hundred moves");
     }
