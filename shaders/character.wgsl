@@ -90,6 +90,19 @@ fn vertex(v: Vertex) -> VertexOutput {
     let count = morph_count(instance);
     for (var layer = 0u; layer < count; layer++) {
         let weight = morph::weight_at(layer, instance);
+#ifdef MOTION_VECTOR_PREPASS
+#ifdef HAS_PREVIOUS_MORPH
+        let previous_weight = morph::prev_weight_at(layer, instance);
+#else
+        let previous_weight = weight;
+#endif
+        let rests = weight == 0.0 && previous_weight == 0.0;
+#else
+        let rests = weight == 0.0;
+#endif
+        if rests {
+            continue;
+        }
         let offset = morph::morph_position(index, layer, instance);
         position += weight * offset;
 #ifdef VERTEX_NORMALS
@@ -99,11 +112,6 @@ fn vertex(v: Vertex) -> VertexOutput {
         tangent += vec4<f32>(weight * morph::morph_tangent(index, layer, instance), 0.0);
 #endif
 #ifdef MOTION_VECTOR_PREPASS
-#ifdef HAS_PREVIOUS_MORPH
-        let previous_weight = morph::prev_weight_at(layer, instance);
-#else
-        let previous_weight = weight;
-#endif
         previous_position += previous_weight * offset;
 #endif
     }
@@ -119,21 +127,20 @@ fn vertex(v: Vertex) -> VertexOutput {
 #endif
     let tag = mesh_functions::get_tag(instance);
     let model_from_mesh = skinning::skin_matrix(tag, slots, weights);
-    position = skinning::skin_point(model_from_mesh, position);
+    let world_from_model = mesh_functions::get_world_from_local(instance);
+    let world_from_mesh = skinning::placed(world_from_model, model_from_mesh);
 #ifdef MOTION_VECTOR_PREPASS
     previous_position = skinning::skin_point(skinning::previous_skin_matrix(tag, slots, weights), previous_position);
 #endif
 
-    let world_from_model = mesh_functions::get_world_from_local(instance);
-    out.world_position = mesh_functions::mesh_position_local_to_world(world_from_model, vec4<f32>(position, 1.0));
+    out.world_position = vec4<f32>(skinning::skin_point(world_from_mesh, position), 1.0);
     out.position = position_world_to_clip(out.world_position.xyz);
 #ifdef UNCLIPPED_DEPTH_ORTHO_EMULATION
     out.unclipped_depth = out.position.z;
     out.position.z = min(out.position.z, 1.0);
 #endif
 #ifdef VERTEX_NORMALS
-    normal = skinning::skin_normal(model_from_mesh, normal);
-    out.world_normal = mesh_functions::mesh_normal_local_to_world(normal, instance);
+    out.world_normal = skinning::skin_normal(world_from_mesh, normal);
 #endif
 #ifdef VERTEX_TANGENTS
     tangent = vec4<f32>(skinning::skin_tangent(model_from_mesh, tangent.xyz), tangent.w);

@@ -27,14 +27,22 @@ fn instance_tint(tag: u32) -> vec4<f32> {
     return instances.items[tag].tint;
 }
 
-// The blend of four matrices; a slot beyond the palette is its last one, so nobody reads a neighbour's.
+// The blend of up to four matrices; a slot beyond the palette is its last one, so nobody reads a neighbour's.
+// Most vertices have one or two influences: what isn't weighed isn't read.
 fn blended(begin: u32, tag: u32, slots: vec4<u32>, weights: vec4<f32>) -> mat3x4<f32> {
-    let instance = instances.items[tag];
-    let slot = min(slots, vec4<u32>(instance.count - 1u)) + begin + instance.first;
-    return weights.x * joint_matrices[slot.x]
-        + weights.y * joint_matrices[slot.y]
-        + weights.z * joint_matrices[slot.z]
-        + weights.w * joint_matrices[slot.w];
+    let first = begin + instances.items[tag].first;
+    let slot = min(slots, vec4<u32>(instances.items[tag].count - 1u)) + first;
+    var blend = weights.x * joint_matrices[slot.x];
+    if weights.y > 0.0 {
+        blend += weights.y * joint_matrices[slot.y];
+    }
+    if weights.z > 0.0 {
+        blend += weights.z * joint_matrices[slot.z];
+    }
+    if weights.w > 0.0 {
+        blend += weights.w * joint_matrices[slot.w];
+    }
+    return blend;
 }
 
 // model_from_mesh of a vertex, this frame.
@@ -45,6 +53,16 @@ fn skin_matrix(tag: u32, slots: vec4<u32>, weights: vec4<f32>) -> mat3x4<f32> {
 // model_from_mesh of a vertex, last frame.
 fn previous_skin_matrix(tag: u32, slots: vec4<u32>, weights: vec4<f32>) -> mat3x4<f32> {
     return blended(instances.previous, tag, slots, weights);
+}
+
+// `model_from_mesh`, then `world_from_model`.
+fn placed(world_from_model: mat4x4<f32>, m: mat3x4<f32>) -> mat3x4<f32> {
+    let rows = transpose(world_from_model);
+    return mat3x4<f32>(
+        rows[0].x * m[0] + rows[0].y * m[1] + rows[0].z * m[2] + vec4<f32>(0.0, 0.0, 0.0, rows[0].w),
+        rows[1].x * m[0] + rows[1].y * m[1] + rows[1].z * m[2] + vec4<f32>(0.0, 0.0, 0.0, rows[1].w),
+        rows[2].x * m[0] + rows[2].y * m[1] + rows[2].z * m[2] + vec4<f32>(0.0, 0.0, 0.0, rows[2].w),
+    );
 }
 
 fn skin_point(m: mat3x4<f32>, point: vec3<f32>) -> vec3<f32> {

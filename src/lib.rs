@@ -51,6 +51,23 @@
 //! let intent = MoveIntent { velocity: Vec3::X, facing: Some(view), aim: Some(view), ..default() };
 //! # assert!(intent.is_sound());
 //! ```
+//!
+//! # Crowds
+//!
+//! A [`Detail`](character::detail::Detail) says how often and how thoroughly a character is posed. What lies between poses is
+//! blended, feet and gaze fade, and who is hidden keeps its place and its phase. With the feature `render` a `ScreenDetail` sets it by
+//! the character's size on the screen, as the resource `DetailLevels` says. The player's own character has neither.
+//!
+//! ```
+//! use bevy::prelude::*;
+//! use surefoot::character::{Character, detail::Detail};
+//!
+//! fn spawn_passer_by(mut commands: Commands, assets: Res<AssetServer>) {
+//!     let far = Detail { step: 1.0 / 30.0, feet: false, look: false, ..default() };
+//!     commands.spawn((Character(assets.load("mannequin.character.ron")), far));
+//! }
+//! # bevy::ecs::system::assert_is_system(spawn_passer_by);
+//! ```
 
 pub mod anim;
 pub mod character;

@@ -5,8 +5,8 @@ use bevy::{app::PluginGroupBuilder, prelude::*};
 use crate::{
     character::{
         aim::AimPlugin, animator::AnimatorPlugin, attach::AttachPlugin, bind::BindPlugin, chains::ChainsPlugin,
-        foot_ik::FootIkPlugin, locomotion::LocomotionPlugin, look::LookPlugin, motion::MotionPlugin,
-        schedule::SchedulePlugin,
+        detail::DetailPlugin, ease::EasePlugin, foot_ik::FootIkPlugin, locomotion::LocomotionPlugin, look::LookPlugin,
+        motion::MotionPlugin, schedule::SchedulePlugin,
     },
     rig::loader::RigPlugin,
 };
@@ -25,11 +25,13 @@ impl PluginGroup for SurefootPlugins {
             .add(BindPlugin)
             .add(MotionPlugin)
             .add(LocomotionPlugin)
+            .add(DetailPlugin)
             .add(AnimatorPlugin)
             .add(FootIkPlugin)
             .add(LookPlugin)
             .add(AimPlugin)
             .add(ChainsPlugin)
+            .add(EasePlugin)
             .add(AttachPlugin);
         #[cfg(feature = "render")]
         let group = group.add(crate::skinning::SkinningPlugin::default());

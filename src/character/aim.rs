@@ -9,6 +9,7 @@ use super::{
     Character,
     animator::CharacterPose,
     bind::CharacterAssets,
+    detail::Pacing,
     intent::MoveIntent,
     legs::{LegJoints, place_leg},
     schedule::PoseSystems,
@@ -153,11 +154,11 @@ impl Plugin for AimPlugin {
 fn aim(
     time: Res<Time>,
     assets: CharacterAssets,
-    mut characters: Query<(&Character, &Transform, &MoveIntent, &mut Aiming, &mut CharacterPose)>,
+    mut characters: Query<(&Character, &Transform, &MoveIntent, Option<&Pacing>, &mut Aiming, &mut CharacterPose)>,
 ) {
     let dt = time.delta_secs();
-    characters.par_iter_mut().for_each(|(character, root, intent, mut aiming, mut pose)| {
-        let Some(asset) = assets.get(character) else { return };
+    characters.par_iter_mut().for_each(|(character, root, intent, pacing, mut aiming, mut pose)| {
+        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };
         let config = &asset.file.aim;
         let wanted = intent.aims().filter(|_| config.enabled);
         if wanted.is_none() && aiming.weight() <= 0.0 {

@@ -9,6 +9,7 @@ use super::{
     Character,
     animator::{Balance, CharacterPose},
     bind::CharacterAssets,
+    detail::{Detail, Pacing},
     intent::MoveIntent,
     locomotion::Locomotion,
     motion::MotionState,
@@ -18,7 +19,7 @@ use crate::{
     anim::pose::Pose,
     math::{
         rotation::{from_scaled_axis, heading, to_scaled_axis, yaw_and_pitch},
-        spring::Spring,
+        spring::{Spring, damp},
     },
     rig::{character::CharacterAsset, humanoid::HumanoidRole, tuning::look::LookConfig},
 };
@@ -32,10 +33,15 @@ pub struct LookAt(pub Vec3);
 pub struct Look {
     /// Yaw and pitch against the clip's.
     pub gaze: Spring<Vec2>,
+    /// How much of the look is off, 0..=1: for those that are seen small.
+    pub off: f32,
 }
 
 /// Turns below this, in radians, are none.
 const NOTHING: f32 = 1e-4;
+
+/// Share of the look that may be missing.
+const NEARLY: f32 = 0.999;
 
 /// Turns heads.
 pub struct LookPlugin;
@@ -97,16 +103,23 @@ fn look(
         &Locomotion,
         &Balance,
         Option<&LookAt>,
+        (Option<&Detail>, Option<&Pacing>),
         &mut Look,
         &mut CharacterPose,
     )>,
 ) {
     let dt = time.delta_secs();
     characters.par_iter_mut().for_each(|character| {
-        let (character, root, intent, motion, locomotion, balance, target, mut look, mut pose) = character;
-        let Some(asset) = assets.get(character) else { return };
+        let (character, root, intent, motion, locomotion, balance, target, (detail, pacing), mut look, mut pose) =
+            character;
+        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };
         let config = &asset.file.look;
         if !config.enabled {
+            return;
+        }
+        let off = if detail.is_none_or(|detail| detail.look) { 0.0 } else { 1.0 };
+        look.off = damp(look.off, off, config.half_life, dt);
+        if look.off > NEARLY {
             return;
         }
         let goal = match (intent.aims(), target, asset.humanoid.get(HumanoidRole::Head)) {
@@ -120,7 +133,7 @@ fn look(
         look.gaze.step(goal, config.half_life, dt);
         let gaze = Quat::from_rotation_y(look.gaze.value.x) * Quat::from_rotation_x(look.gaze.value.y);
         let lean = if asset.file.balance.enabled { balance.whole() } else { Vec3::ZERO };
-        let turn = to_scaled_axis(gaze) - lean * config.level;
+        let turn = (to_scaled_axis(gaze) - lean * config.level) * (1.0 - look.off);
         if turn.length() > NOTHING {
             apply(turn, &mut pose.pose, asset, config);
         }

@@ -5,6 +5,8 @@ pub mod animator;
 pub mod attach;
 pub mod bind;
 pub mod chains;
+pub mod detail;
+pub mod ease;
 pub mod foot_ik;
 pub mod intent;
 pub mod legs;

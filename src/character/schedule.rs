@@ -16,6 +16,8 @@ pub enum MotionSystems {
 pub enum PoseSystems {
     /// `MotionState` → clip weights and phase.
     Locomote,
+    /// Who is posed in this frame.
+    Pace,
     /// Clips → local pose. From here to `Model` the model pose is that of legs, spine and head alone.
     Sample,
     /// Ground → feet, ankles, pelvis of the local pose.
@@ -28,6 +30,8 @@ pub enum PoseSystems {
     Aim,
     /// Targets → joints of IK chains.
     Reach,
+    /// Poses of those that aren't posed in every frame → local and model pose of all joints.
+    Ease,
     /// Model pose → what rides on it.
     Attach,
     /// Model pose → skinning matrices.
@@ -43,12 +47,14 @@ impl Plugin for SchedulePlugin {
             PostUpdate,
             (
                 PoseSystems::Locomote,
+                PoseSystems::Pace,
                 PoseSystems::Sample,
                 PoseSystems::Plant,
                 PoseSystems::Look,
                 PoseSystems::Model,
                 PoseSystems::Aim,
                 PoseSystems::Reach,
+                PoseSystems::Ease,
                 PoseSystems::Attach,
                 PoseSystems::Palette,
             )

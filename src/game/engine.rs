@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bevy::{
-    app::PluginsState,
+    app::{PluginGroupBuilder, PluginsState},
     gilrs::GilrsPlugin,
     log::{Level, LogPlugin},
     prelude::*,
@@ -65,18 +65,27 @@ pub fn headless(assets: &Path) -> App {
 
 /// As [`headless`], from an app that has asset sources of its own already.
 pub fn headless_from(mut app: App, assets: &Path) -> App {
-    app.add_plugins(
-        DefaultPlugins
-            .set(assets_from(assets))
-            .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
-            .set(LogPlugin { level: Level::WARN, filter: format!("{QUIET},warn"), ..default() })
-            .set(RenderPlugin { render_creation: renderer(), synchronous_pipeline_compilation: true, ..default() })
-            .disable::<WinitPlugin>()
-            .disable::<GilrsPlugin>()
-            .disable::<PipelinedRenderingPlugin>(),
-    )
-    .insert_resource(Time::<Fixed>::from_hz(TICKS_PER_SECOND.into()));
+    app.add_plugins(headless_plugins(assets)).insert_resource(Time::<Fixed>::from_hz(TICKS_PER_SECOND.into()));
     app
+}
+
+/// As [`headless`], beside another app of this process, which logs for both.
+pub fn headless_beside(assets: &Path) -> App {
+    let mut app = App::new();
+    app.add_plugins(headless_plugins(assets).disable::<LogPlugin>())
+        .insert_resource(Time::<Fixed>::from_hz(TICKS_PER_SECOND.into()));
+    app
+}
+
+fn headless_plugins(assets: &Path) -> PluginGroupBuilder {
+    DefaultPlugins
+        .set(assets_from(assets))
+        .set(WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..default() })
+        .set(LogPlugin { level: Level::WARN, filter: format!("{QUIET},warn"), ..default() })
+        .set(RenderPlugin { render_creation: renderer(), synchronous_pipeline_compilation: true, ..default() })
+        .disable::<WinitPlugin>()
+        .disable::<GilrsPlugin>()
+        .disable::<PipelinedRenderingPlugin>()
 }
 
 /// Finishes the plugins of an app that is driven by hand.

@@ -35,6 +35,12 @@ impl SkinRange {
         self.len == 0
     }
 
+    /// Where it begins among all matrices.
+    #[must_use]
+    pub fn first(self) -> usize {
+        self.first as usize
+    }
+
     /// Index of its record: what a mesh's `MeshTag` holds. 0 is drawn unskinned.
     #[must_use]
     pub fn instance(self) -> u32 {
@@ -61,8 +67,8 @@ pub struct ArenaFull {
 /// What changed since the GPU last took it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pending {
-    /// Any matrix.
-    pub(super) matrices: bool,
+    /// Matrices that were written.
+    pub(super) written: Vec<Range<u32>>,
     /// Any record.
     pub(super) instances: bool,
     /// Matrices that had no last frame.
@@ -94,7 +100,7 @@ impl SkinArena {
             matrix_capacity: joint_count.max(1),
             instance_capacity: (joint_count / 32).max(16),
             matrix_limit: u32::MAX,
-            pending: Pending { matrices: true, instances: true, fresh: vec![] },
+            pending: Pending { instances: true, ..Pending::default() },
         };
         arena.ranges.take(1, u32::MAX);
         arena.matrices.push(JointMatrix::IDENTITY);
@@ -118,8 +124,8 @@ impl SkinArena {
         let record = InstanceRecord { first, count: joint_count.max(1), ..InstanceRecord::PLAIN };
         let range = SkinRange { first, len: joint_count, instance: self.allocate_instance(record) };
         self.matrices[range.indices()].fill(JointMatrix::IDENTITY);
-        self.pending.matrices = true;
-        self.note_fresh(first..first + joint_count);
+        note(&mut self.pending.written, first..first + joint_count);
+        note(&mut self.pending.fresh, first..first + joint_count);
         Ok(range)
     }
 
@@ -136,8 +142,15 @@ impl SkinArena {
 
     /// The matrices of `range`, to be written: `model_from_joint * inverse_bind`, slot by slot.
     pub fn matrices_mut(&mut self, range: SkinRange) -> &mut [JointMatrix] {
-        self.pending.matrices |= !range.is_empty();
+        note(&mut self.pending.written, range.first..range.first + range.len);
         self.matrices.get_mut(range.indices()).unwrap_or_default()
+    }
+
+    /// Every matrix in use, to be written by who poses many characters at once; ranges say whose is whose. Matrix 0 is
+    /// nobody's and stays the identity.
+    pub fn all_matrices_mut(&mut self) -> &mut [JointMatrix] {
+        note(&mut self.pending.written, 0..self.ranges.end());
+        &mut self.matrices[..self.ranges.end() as usize]
     }
 
     /// The matrices of `range`.
@@ -184,7 +197,7 @@ impl SkinArena {
 
     /// Forgets what changed: for worlds that draw nothing.
     pub(super) fn forget_pending(&mut self) {
-        self.pending.matrices = false;
+        self.pending.written.clear();
         self.pending.instances = false;
         self.pending.fresh.clear();
     }
@@ -202,13 +215,14 @@ impl SkinArena {
         }
         count - 1
     }
+}
 
-    fn note_fresh(&mut self, range: Range<u32>) {
-        match self.pending.fresh.last_mut() {
-            Some(last) if last.end == range.start => last.end = range.end,
-            _ if range.is_empty() => {}
-            _ => self.pending.fresh.push(range),
-        }
+/// Adds `range` to a list, to its last one where the two touch.
+fn note(list: &mut Vec<Range<u32>>, range: Range<u32>) {
+    match list.last_mut() {
+        Some(last) if last.end == range.start => last.end = range.end,
+        _ if range.is_empty() => {}
+        _ => list.push(range),
     }
 }
 

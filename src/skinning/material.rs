@@ -1,5 +1,7 @@
 //! `StandardMaterial` with an own vertex stage: lights, shadows, textures and PBR stay as they are.
 
+use core::sync::atomic::Ordering;
+
 use bevy::{
     ecs::system::{SystemParamItem, lifetimeless::SRes},
     mesh::MeshVertexBufferLayoutRef,
@@ -53,6 +55,7 @@ impl AsBindGroup for SkinExtension {
         gpu: &mut SystemParamItem<'_, '_, Self::Param>,
         _force_no_bindless: bool,
     ) -> Result<UnpreparedBindGroup, AsBindGroupError> {
+        gpu.bind_groups_made.fetch_add(1, Ordering::Relaxed);
         let matrices = OwnedBindingResource::Buffer(gpu.matrices.clone());
         let instances = OwnedBindingResource::Buffer(gpu.instances.clone());
         Ok(UnpreparedBindGroup {

@@ -9,7 +9,9 @@ pub mod arena;
 mod assemble;
 pub mod bounds;
 mod convert;
+pub mod detail;
 mod dress;
+mod halves;
 pub mod layout;
 pub mod material;
 pub mod mesh;
@@ -32,6 +34,7 @@ use std::path::{Path, PathBuf};
 pub use self::{
     arena::{SkinArena, SkinRange},
     bounds::PoseBounds,
+    detail::{DetailLevel, DetailLevels, ScreenDetail},
     layout::JointMatrix,
     material::{SkinExtension, SkinnedMaterial},
     mesh::{SkinMeshError, skin_mesh},
@@ -70,6 +73,7 @@ impl Plugin for SkinningPlugin {
         palette::observe(app);
         if app.is_plugin_added::<PbrPlugin>() {
             embed_shaders(app);
+            detail::plugin(app);
             app.add_plugins((
                 MaterialPlugin::<SkinnedMaterial>::default(),
                 model::SkinnedModelPlugin,

@@ -1,9 +1,12 @@
 //! Copies the arena to the GPU once a frame: two halves of matrices that take turns, and one table of records.
 //!
-//! Reads [`SkinArena`] of the main world while it is extracted, straight into wgpu's staging memory.
+//! Reads [`SkinArena`] of the main world while it is extracted, straight into wgpu's staging memory: the matrices of those who moved.
 //! When nothing changed, nothing is written, and the last frame's half is this frame's: motion vectors are zero.
 
-use core::mem::size_of;
+use core::{
+    mem::size_of,
+    sync::atomic::{AtomicU32, Ordering},
+};
 
 use bevy::{
     asset::AssetMut,
@@ -17,6 +20,7 @@ use bevy::{
 
 use super::{
     arena::{Capacity, SkinArena},
+    halves::{Halves, Write},
     layout::{InstanceRecord, JointMatrix},
     material::SkinnedMaterial,
 };
@@ -33,8 +37,19 @@ pub(super) struct BoundCapacity(Capacity);
 pub struct SkinUpload {
     /// Bytes written to the GPU for the last frame.
     pub bytes: u64,
+    /// Writes that this took: one for those whose matrices lie together, one for what tells the halves apart.
+    pub writes: u32,
     /// How often buffers were made: once at the start, once per growth.
     pub buffers_made: u32,
+    /// How often a material's bind group was made: once a material, and once more per growth.
+    pub bind_groups_made: u32,
+}
+
+/// What one frame wrote.
+#[derive(Clone, Copy, Debug, Default)]
+struct Written {
+    bytes: u64,
+    writes: u32,
 }
 
 /// The arena's buffers. Resource of the render world.
@@ -42,13 +57,12 @@ pub struct SkinUpload {
 pub struct SkinArenaGpu {
     pub(super) matrices: Buffer,
     pub(super) instances: Buffer,
+    /// Materials that took these buffers since the last frame.
+    pub(super) bind_groups_made: AtomicU32,
     capacity: Capacity,
-    /// Which half holds this frame: 0 or 1.
-    half: u32,
+    halves: Halves,
     /// Nothing was written yet.
     empty: bool,
-    /// The last frame's half counts as this frame's.
-    settled: bool,
 }
 
 pub(super) fn build(app: &mut App) {
@@ -98,11 +112,12 @@ fn upload(
 ) {
     let Some(BoundCapacity(capacity)) = main.get_resource().copied() else { return };
     let Some(mut arena) = main.get_resource_mut::<SkinArena>() else { return };
+    report.bind_groups_made += gpu.bind_groups_made.swap(0, Ordering::Relaxed);
     if gpu.capacity != capacity {
         *gpu = SkinArenaGpu::new(&device, capacity);
     }
     report.buffers_made += u32::from(gpu.empty);
-    report.bytes = gpu.write(&arena, &queue);
+    Written { bytes: report.bytes, writes: report.writes } = gpu.write(&arena, &queue);
     arena.bypass_change_detection().forget_pending();
 }
 
@@ -127,47 +142,37 @@ impl SkinArenaGpu {
         Self {
             matrices: buffer("surefoot joint matrices", matrices),
             instances: buffer("surefoot skin instances", instances),
+            bind_groups_made: AtomicU32::new(0),
             capacity,
-            half: 0,
+            halves: Halves::default(),
             empty: true,
-            settled: false,
         }
     }
 
-    /// Writes what changed; returns how many bytes that was.
-    fn write(&mut self, arena: &SkinArena, queue: &RenderQueue) -> u64 {
-        let mut written = 0;
+    /// Writes what changed.
+    fn write(&mut self, arena: &SkinArena, queue: &RenderQueue) -> Written {
+        let mut written = Written::default();
         let mut write = |buffer: &Buffer, offset: u64, bytes: &[u8]| {
             if !bytes.is_empty() {
                 queue.write_buffer(buffer, offset, bytes);
-                written += bytes.len() as u64;
+                written.bytes += bytes.len() as u64;
+                written.writes += 1;
             }
         };
         let at = |half: u32, joint: u32| {
             (u64::from(half) * u64::from(self.capacity.matrices) + u64::from(joint)) * size_of::<JointMatrix>() as u64
         };
-        let moved = arena.pending.matrices || self.empty;
-        if moved {
-            let (last, now) = (self.half, 1 - self.half);
-            // What was allocated after bind groups were remade is drawn, and comes, with the next frame.
-            let room = self.capacity.matrices as usize;
-            let all = &arena.all_matrices()[..arena.all_matrices().len().min(room)];
-            write(&self.matrices, at(now, 0), bytemuck::cast_slice(all));
-            if self.empty {
-                write(&self.matrices, at(last, 0), bytemuck::cast_slice(all));
-            } else {
-                for fresh in &arena.pending.fresh {
-                    let matrices = all.get(fresh.start as usize..fresh.end as usize).unwrap_or_default();
-                    write(&self.matrices, at(last, fresh.start), bytemuck::cast_slice(matrices));
-                }
-            }
-            self.half = now;
+        // What was allocated after bind groups were remade is drawn, and comes, with the next frame.
+        let all = arena.all_matrices();
+        let room = all.len().min(self.capacity.matrices as usize);
+        let header = self.halves.turn(&arena.pending, room as u32);
+        for Write { half, run } in self.halves.writes() {
+            let matrices = &all[run.start as usize..run.end as usize];
+            write(&self.matrices, at(*half, run.start), bytemuck::cast_slice(matrices));
         }
-        if moved || !self.settled {
-            let first = |half: u32| half * self.capacity.matrices;
-            let previous = if moved { 1 - self.half } else { self.half };
-            write(&self.instances, 0, bytemuck::cast_slice(&[first(self.half), first(previous), 0, 0]));
-            self.settled = !moved;
+        if let Some(halves) = header {
+            let [current, previous] = halves.map(|half| half * self.capacity.matrices);
+            write(&self.instances, 0, bytemuck::cast_slice(&[current, previous, 0, 0]));
         }
         if arena.pending.instances || self.empty {
             let room = self.capacity.instances as usize;

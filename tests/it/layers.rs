@@ -31,7 +31,7 @@ const STRANGERS_TO_CHARACTERS: &[&str] = &["terrain", "camera"];
 
 /// The stages of a character in the order the data flows; `schedule` is the spine that all know.
 const STAGES: &[&str] =
-    &["schedule", "intent", "motion", "locomotion", "animator", "foot_ik", "look", "aim", "chains", "attach"];
+    &["schedule", "intent", "motion", "locomotion", "animator", "foot_ik", "look", "aim", "chains", "ease", "attach"];
 
 /// No file is longer, so that each holds one idea.
 const MAX_LINES: usize = 400;

@@ -11,6 +11,7 @@ mod chains;
 mod character_file;
 mod character_states;
 mod clips;
+mod detail;
 mod determinism;
 mod feet;
 mod foreign;

@@ -8,7 +8,7 @@ use bevy::{prelude::*, utils::Parallel};
 use super::CharacterPose;
 use crate::{
     anim::skeleton::JointTransform,
-    character::{Character, bind::CharacterAssets},
+    character::{Character, bind::CharacterAssets, detail::Pacing},
     math::fade::Fade,
     rig::{
         actions::CharacterAction,
@@ -215,13 +215,14 @@ pub(super) fn act(
     time: Res<Time>,
     assets: CharacterAssets,
     sampled: Local<Parallel<Vec<JointTransform>>>,
-    mut characters: Query<(&Character, &mut Actions, &mut CharacterPose)>,
+    mut characters: Query<(&Character, Option<&Pacing>, &mut Actions, &mut CharacterPose)>,
 ) {
     let dt = time.delta_secs();
     characters.par_iter_mut().for_each_init(
         || sampled.borrow_local_mut(),
-        |sampled, (character, mut actions, mut pose)| {
+        |sampled, (character, pacing, mut actions, mut pose)| {
             let Some(asset) = assets.get(character).filter(|_| !actions.is_idle()) else { return };
+            let Some(dt) = Pacing::due(pacing, dt) else { return };
             actions.advance(asset, dt);
             actions.apply(asset, pose.pose.locals_mut(), sampled);
             pose.pose.update_model_of(&asset.skeleton, &asset.trunk);

@@ -12,6 +12,7 @@ use crate::{
         Character,
         animator::CharacterPose,
         bind::CharacterAssets,
+        detail::Pacing,
         legs::{LegJoints, place_leg},
         locomotion::Locomotion,
         motion::MotionState,
@@ -128,11 +129,19 @@ fn apply(balance: &Balance, pose: &mut Pose, asset: &CharacterAsset, config: &Ba
 pub(super) fn keep_balance(
     time: Res<Time>,
     assets: CharacterAssets,
-    mut characters: Query<(&Character, &Transform, &MotionState, &Locomotion, &mut Balance, &mut CharacterPose)>,
+    mut characters: Query<(
+        &Character,
+        &Transform,
+        &MotionState,
+        &Locomotion,
+        Option<&Pacing>,
+        &mut Balance,
+        &mut CharacterPose,
+    )>,
 ) {
     let dt = time.delta_secs();
-    characters.par_iter_mut().for_each(|(character, root, motion, locomotion, mut balance, mut pose)| {
-        let Some(asset) = assets.get(character) else { return };
+    characters.par_iter_mut().for_each(|(character, root, motion, locomotion, pacing, mut balance, mut pose)| {
+        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };
         let config = &asset.file.balance;
         balance.feel(motion, root.rotation, locomotion.grade(), config, dt);
         if config.enabled {

@@ -11,7 +11,7 @@ use bevy::{prelude::*, utils::Parallel};
 pub use actions::Actions;
 pub use balance::{Balance, wanted_lean, wanted_stoop};
 
-use super::{Character, bind::CharacterAssets, locomotion::Locomotion, schedule::PoseSystems};
+use super::{Character, bind::CharacterAssets, detail::Pacing, locomotion::Locomotion, schedule::PoseSystems};
 use feet::BlendedFeet;
 
 use crate::{
@@ -89,9 +89,9 @@ impl Plugin for AnimatorPlugin {
 }
 
 /// Brings all joints into model space.
-fn complete(assets: CharacterAssets, mut characters: Query<(&Character, &mut CharacterPose)>) {
-    characters.par_iter_mut().for_each(|(character, mut pose)| {
-        if let Some(asset) = assets.get(character) {
+fn complete(assets: CharacterAssets, mut characters: Query<(&Character, Option<&Pacing>, &mut CharacterPose)>) {
+    characters.par_iter_mut().for_each(|(character, pacing, mut pose)| {
+        if let Some(asset) = assets.get(character).filter(|_| Pacing::due(pacing, 0.0).is_some()) {
             pose.pose.update_model(&asset.skeleton);
         }
     });
@@ -101,13 +101,13 @@ fn animate(
     time: Res<Time>,
     assets: CharacterAssets,
     sampled: Local<Parallel<Vec<JointTransform>>>,
-    mut characters: Query<(&Character, &Locomotion, &mut CharacterPose)>,
+    mut characters: Query<(&Character, &Locomotion, Option<&Pacing>, &mut CharacterPose)>,
 ) {
     let dt = time.delta_secs();
     characters.par_iter_mut().for_each_init(
         || sampled.borrow_local_mut(),
-        |sampled, (character, locomotion, mut pose)| {
-            if let Some(asset) = assets.get(character) {
+        |sampled, (character, locomotion, pacing, mut pose)| {
+            if let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) {
                 pose.animate(asset, locomotion, sampled, dt);
             }
         },

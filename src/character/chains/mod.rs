@@ -13,7 +13,7 @@ use bevy::prelude::*;
 pub use limits::{ChainJointSetup, RestLimit};
 pub use state::{IkResult, IkState};
 
-use super::{Character, animator::CharacterPose, bind::CharacterAssets, schedule::PoseSystems};
+use super::{Character, animator::CharacterPose, bind::CharacterAssets, detail::Pacing, schedule::PoseSystems};
 use crate::{anim::ik::two_bone::Extension, rig::joint_ref::JointRef};
 
 /// Bends the joints from `root` to `tip` of the character that [`ChainOf`] names, so that the tip comes to a target.
@@ -185,11 +185,11 @@ fn reach(
     time: Res<Time>,
     assets: CharacterAssets,
     transforms: TransformHelper,
-    mut characters: Query<(Entity, &Character, &Chains, &mut CharacterPose)>,
+    mut characters: Query<(Entity, &Character, &Chains, Option<&Pacing>, &mut CharacterPose)>,
     mut chains: Query<(Ref<IkChain>, &mut IkState, &mut IkResult)>,
 ) {
-    for (entity, character, of, mut pose) in &mut characters {
-        let Some(asset) = assets.get(character) else { continue };
+    for (entity, character, of, pacing, mut pose) in &mut characters {
+        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, time.delta_secs())) else { continue };
         let Ok(root) = transforms.compute_global_transform(entity) else { continue };
         for chain_entity in of.iter() {
             let Ok((chain, mut state, mut result)) = chains.get_mut(chain_entity) else { continue };
@@ -203,7 +203,7 @@ fn reach(
                     transforms.compute_global_transform(target).ok().map(|world| world.transform_point(place))
                 }
             };
-            let reached = state.solve(&chain, root.affine(), target, &mut pose.pose, time.delta_secs());
+            let reached = state.solve(&chain, root.affine(), target, &mut pose.pose, dt);
             result.set_if_neq(reached);
         }
     }

@@ -34,6 +34,8 @@ pub(super) struct Body<'a> {
     pub(super) motion: &'a MotionState,
     pub(super) locomotion: &'a Locomotion,
     pub(super) asset: &'a CharacterAsset,
+    /// Whether feet shall find the ground at all.
+    pub(super) wanted: bool,
     pub(super) dt: f32,
     /// How fast it turns about +Y, rad/s, as feet see it.
     pub(super) turns: f32,

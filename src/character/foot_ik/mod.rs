@@ -32,8 +32,15 @@ pub use ride::{Ride, ride};
 pub use surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings};
 
 use super::{
-    Character, animator::CharacterPose, bind::CharacterAssets, legs::LegResult, locomotion::Locomotion,
-    motion::MotionState, schedule::PoseSystems, sole::sole_model,
+    Character,
+    animator::CharacterPose,
+    bind::CharacterAssets,
+    detail::{Detail, Pacing},
+    legs::LegResult,
+    locomotion::Locomotion,
+    motion::MotionState,
+    schedule::PoseSystems,
+    sole::sole_model,
 };
 use crate::{
     anim::pose::Pose,
@@ -49,6 +56,9 @@ const STILL_GROUNDED: f32 = 0.1;
 const RISING: f32 = 0.5;
 /// Reach that the pelvis leaves to a lifted heel, as a fraction of the leg.
 const HEEL_SLACK: f32 = 0.02;
+
+/// Share of the effect below which it is off.
+const OFF: f32 = 0.01;
 
 /// Lengths of a leg about the root within which feet look for ground: a run's flight and a foot.
 const STRIDE: f32 = 2.0;
@@ -115,6 +125,7 @@ fn plant(
         &MotionState,
         &Locomotion,
         &GroundFilter,
+        (Option<&Detail>, Option<&Pacing>),
         &mut CharacterPose,
         &mut FootIk,
     )>,
@@ -123,15 +134,25 @@ fn plant(
     if dt <= 0.0 {
         return;
     }
-    characters.par_iter_mut().for_each(|(character, root, motion, locomotion, filter, mut pose, mut ik)| {
-        let Some(asset) = assets.get(character) else { return };
-        // Landings turn with the body; one that begins to turn would throw them about.
-        ik.turns = damp(ik.turns, motion.yaw_rate, TURNS_HALF_LIFE, dt);
-        let body = Body { root, motion, locomotion, asset, dt, turns: ik.turns };
-        let config = asset.file.foot_ik.for_leg(asset.leg_length);
-        let probe = grounds.near(filter, body.reach(&config), STRIDE * asset.leg_length);
-        ik.place(&body, &mut pose, &probe, &frames);
-    });
+    characters.par_iter_mut().for_each(
+        |(character, root, motion, locomotion, filter, (detail, pacing), mut pose, mut ik)| {
+            let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };
+            let wanted = detail.is_none_or(|detail| detail.feet);
+            // Landings turn with the body; one that begins to turn would throw them about.
+            ik.turns = damp(ik.turns, motion.yaw_rate, TURNS_HALF_LIFE, dt);
+            let body = Body { root, motion, locomotion, asset, wanted, dt, turns: ik.turns };
+            if pacing.is_some_and(|pacing| pacing.returns) {
+                ik.reset();
+            }
+            if !wanted && ik.weight < OFF {
+                let animated = ik.animated(&body, &pose);
+                return ik.fly_free(&body, &pose, &animated);
+            }
+            let config = asset.file.foot_ik.for_leg(asset.leg_length);
+            let probe = grounds.near(filter, body.reach(&config), STRIDE * asset.leg_length);
+            ik.place(&body, &mut pose, &probe, &frames);
+        },
+    );
 }
 
 impl FootIk {
@@ -144,9 +165,9 @@ impl FootIk {
         // A step down a ledge is no flight yet, a jump is.
         let rises = body.motion.velocity.y > RISING;
         let grounded = body.motion.ground.is_some() || (body.motion.air_time < STILL_GROUNDED && !rises);
-        let goal = if config.enabled && grounded { 1.0 } else { 0.0 };
+        let goal = if config.enabled && body.wanted && grounded { 1.0 } else { 0.0 };
         self.weight = damp(self.weight, goal, config.air_half_life, body.dt);
-        let animated = [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side], &self.feet[side]));
+        let animated = self.animated(body, pose);
         if body.motion.teleports != self.teleports {
             self.teleports = body.motion.teleports;
             self.reset();
@@ -157,15 +178,8 @@ impl FootIk {
                 self.pelvis.land();
             }
         }
-        if self.weight < 0.01 {
-            self.placed = [None; 2];
-            self.legs = [LegResult::default(); 2];
-            self.pelvis.fly_free(body.hips(pose), body.dt);
-            for ((foot, animated), leg) in self.feet.iter_mut().zip(&animated).zip(&body.asset.legs) {
-                foot.fly_free(animated, body.dt);
-                foot.pace.note(&pose.pose, leg, body.dt);
-            }
-            return;
+        if self.weight < OFF {
+            return self.fly_free(body, pose, &animated);
         }
         let config = &config.for_leg(body.asset.leg_length);
         let placed = [0, 1].map(|side| {
@@ -189,6 +203,22 @@ impl FootIk {
         for side in 0..2 {
             let placed = PlacedFoot { ankle: ankles[side], ..placed[side] };
             self.legs[side] = body.solve_leg(pose, side, &placed, &mut self.feet[side], (self.weight, hurry), config);
+        }
+    }
+
+    /// Feet as the clips have them.
+    fn animated(&self, body: &Body<'_>, pose: &CharacterPose) -> [AnimatedFoot; 2] {
+        [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side], &self.feet[side]))
+    }
+
+    /// Leaves the pose as it is, and keeps up with it.
+    fn fly_free(&mut self, body: &Body<'_>, pose: &CharacterPose, animated: &[AnimatedFoot; 2]) {
+        self.placed = [None; 2];
+        self.legs = [LegResult::default(); 2];
+        self.pelvis.fly_free(body.hips(pose), body.dt);
+        for ((foot, animated), leg) in self.feet.iter_mut().zip(animated).zip(&body.asset.legs) {
+            foot.fly_free(animated, body.dt);
+            foot.pace.note(&pose.pose, leg, body.dt);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Characters come, grow, move and go: what is drawn, and what it costs.
 
 use bevy::{math::Affine3A, mesh::MeshTag, prelude::*};
-use surefoot::skinning::{Palette, SkinArena, SkinningPlugin, Tint};
+use surefoot::skinning::{Palette, SkinArena, SkinUpload, SkinningPlugin, Tint};
 
 use super::{JOINTS, Stock, pose, test_tube};
 use crate::{
@@ -117,11 +117,38 @@ fn nothing_is_uploaded_while_nothing_moves() {
     pose(&mut studio, owner, &tube_palette(JOINTS, 0.5, 0.0));
     studio.step();
     let moved = studio.last_upload();
-    assert_eq!(moved.bytes, 48 * (1 + JOINTS as u64) + 16, "one half of the matrices and the header");
+    assert_eq!(moved.bytes, 48 * JOINTS as u64 + 16, "its matrices, once, and the header");
     studio.step();
     assert_eq!(studio.last_upload().bytes, 16, "the header says that the last frame was the same");
     studio.step();
     assert_eq!((studio.last_upload().bytes, studio.last_upload().buffers_made), (0, 1));
+}
+
+#[test]
+fn who_moves_is_uploaded_and_nothing_is_made_anew() {
+    let mut studio = Studio::new(SkinningPlugin::default());
+    let stock = Stock::new(&mut studio, &test_tube());
+    let owners = crowd(&mut studio, &stock, 100);
+    studio.picture();
+    let before = studio.last_upload();
+    for moment in 0..5u8 {
+        pose(&mut studio, owners[70], &tube_palette(JOINTS, 0.1 * f32::from(moment), 0.0));
+        studio.step();
+        if moment == 0 {
+            // The other half of the buffer still lacks how the crowd came.
+            continue;
+        }
+        let one = studio.last_upload();
+        assert_eq!((one.bytes, one.writes), (48 * JOINTS as u64 + 16, 2), "one of a hundred moves");
+    }
+    for owner in &owners {
+        pose(&mut studio, *owner, &tube_palette(JOINTS, 0.7, 0.0));
+    }
+    studio.step();
+    let all = studio.last_upload();
+    assert_eq!((all.bytes, all.writes), (100 * 48 * JOINTS as u64 + 16, 2), "all move: one write, and the header");
+    let made = |upload: &SkinUpload| (upload.buffers_made, upload.bind_groups_made);
+    assert_eq!(made(&all), made(&before), "buffers and bind groups in the steady state");
 }
 
 #[test]

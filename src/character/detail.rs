@@ -1,0 +1,181 @@
+//! Level of detail: how often a character is posed, and how thoroughly.
+//!
+//! Put a [`Detail`] on those that may be seen small or not at all; without one everything is done in every frame. Reads it and
+//! what [`Locomotion`] has just done; writes [`Pacing`], which tells the stages after it whether a character is posed in this
+//! frame. Controller and locomotion go on in any case, so everyone stays in step. What lies between poses is blended by `ease`.
+
+use bevy::prelude::*;
+
+use super::{locomotion::Locomotion, schedule::PoseSystems};
+
+/// How thoroughly a character is posed. May change at any time: the pose goes on without a jump.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component)]
+#[require(Pacing)]
+pub struct Detail {
+    /// Seconds between two poses; what lies between is blended, so it is seen that much later. 0 poses in every frame. Default 0.
+    ///
+    /// Large: cheap, and quick motions are cut short. Changing it is seen at 1/15 s, where joints then jump by 2.8 times what they do
+    /// in their clips; at 1/30 s by 1.7, no more than in every frame.
+    pub step: f32,
+    /// Whether feet find the ground. Default true.
+    ///
+    /// Without, feet fade to where the clip has them: over slopes they float and sink.
+    pub feet: bool,
+    /// Whether the head turns to where it goes. Default true.
+    pub look: bool,
+    /// Whether it is posed at all. Default true.
+    ///
+    /// False for who isn't seen, its shadow included: its pose stands still, and jumps when it is posed again.
+    pub posed: bool,
+}
+
+impl Default for Detail {
+    fn default() -> Self {
+        Self { step: 0.0, feet: true, look: true, posed: true }
+    }
+}
+
+/// When a character is posed; carried from frame to frame.
+#[derive(Component, Clone, Debug, Default)]
+pub struct Pacing {
+    /// How it is posed now.
+    pub mode: Mode,
+    /// Seconds since the last pose, if it is posed in this frame.
+    pub due: Option<f32>,
+    /// It wasn't posed for a while: what was carried over from then doesn't hold.
+    pub returns: bool,
+    waited: f32,
+}
+
+/// How a character is posed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Mode {
+    /// In every frame.
+    #[default]
+    Every,
+    /// In every frame still, until one step's poses are there to blend; for so many seconds already.
+    Warming(f32),
+    /// Every so many seconds.
+    Stepped(f32),
+    /// Never.
+    Hidden,
+}
+
+/// Frames that come a little early still count as in time, seconds.
+const EARLY: f32 = 1e-4;
+
+impl Pacing {
+    /// Seconds to pose a character for in this frame; `None` if it isn't posed. Without a `pacing` it is posed in every frame.
+    #[must_use]
+    pub fn due(pacing: Option<&Self>, dt: f32) -> Option<f32> {
+        pacing.map_or(Some(dt), |pacing| pacing.due)
+    }
+
+    /// One frame. `at_once`: something happened that may not wait. Of those that change together each begins its steps
+    /// `stagger` of one later, 0..1, so that they aren't posed in the same frame.
+    fn advance(&mut self, detail: &Detail, at_once: bool, stagger: f32, dt: f32) {
+        let step = if detail.step.is_finite() { detail.step.max(0.0) } else { 0.0 };
+        let (hidden, stepped) = (self.mode == Mode::Hidden, matches!(self.mode, Mode::Stepped(_)));
+        self.waited += dt;
+        self.mode = match self.mode {
+            _ if !detail.posed => Mode::Hidden,
+            _ if step <= EARLY => Mode::Every,
+            Mode::Warming(since) if since + dt + EARLY >= step => Mode::Stepped(step),
+            Mode::Warming(since) => Mode::Warming(since + dt),
+            Mode::Stepped(before) if (before - step).abs() <= EARLY => Mode::Stepped(before),
+            Mode::Every | Mode::Stepped(_) | Mode::Hidden => Mode::Warming(-stagger * step),
+        };
+        let due = match self.mode {
+            Mode::Every | Mode::Warming(_) => true,
+            // The first step begins with a pose of its own.
+            Mode::Stepped(step) => at_once || !stepped || self.waited + EARLY >= step,
+            Mode::Hidden => false,
+        };
+        self.due = due.then(|| core::mem::take(&mut self.waited));
+        self.returns = hidden && due;
+    }
+}
+
+/// Decides who is posed.
+pub struct DetailPlugin;
+
+impl Plugin for DetailPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_type::<Detail>().add_systems(PostUpdate, pace.in_set(PoseSystems::Pace));
+    }
+}
+
+fn pace(time: Res<Time>, mut characters: Query<(Entity, &Detail, &mut Pacing, Option<&Locomotion>)>) {
+    for (entity, detail, mut pacing, locomotion) in &mut characters {
+        // An inertialized change of state begins with the pose that it leaves.
+        let at_once = locomotion.is_some_and(|locomotion| locomotion.taken.is_some());
+        // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.
+        let stagger = (entity.index_u32() as f32 * 0.618_034).fract();
+        pacing.advance(detail, at_once, stagger, time.delta_secs());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f32 = 1.0 / 60.0;
+
+    /// Frames of one second in which `detail` has a character posed, once it has settled, and the seconds they are posed for.
+    fn posed(detail: &Detail) -> (usize, f32) {
+        let mut pacing = Pacing::default();
+        let mut dues = (0..120).map(|_| {
+            pacing.advance(detail, false, 0.0, DT);
+            pacing.due
+        });
+        let dues: Vec<f32> = dues.by_ref().skip(60).flatten().collect();
+        (dues.len(), dues.iter().sum())
+    }
+
+    #[test]
+    fn each_step_has_one_pose_and_no_time_is_lost() {
+        for (step, frames) in [(0.0, 60), (1.0 / 30.0, 30), (1.0 / 15.0, 15), (0.1, 10)] {
+            let (count, seconds) = posed(&Detail { step, ..Detail::default() });
+            assert_eq!(count, frames, "poses in a second at steps of {step} s");
+            assert!((seconds - 1.0).abs() < 0.02, "posed for {seconds} s in a second at steps of {step} s");
+        }
+        assert_eq!(posed(&Detail { posed: false, ..Detail::default() }).0, 0, "nobody sees it");
+    }
+
+    #[test]
+    fn who_was_hidden_returns_with_all_the_time_that_passed() {
+        let mut pacing = Pacing::default();
+        let hidden = Detail { posed: false, ..Detail::default() };
+        (0..30).for_each(|_| pacing.advance(&hidden, true, 0.0, DT));
+        pacing.advance(&Detail::default(), false, 0.0, DT);
+        let due = pacing.due.expect("it is seen again");
+        assert!(pacing.returns && (due - 31.0 * DT).abs() < 1e-4, "posed for {due} s");
+    }
+
+    #[test]
+    fn a_change_of_state_does_not_wait() {
+        let mut pacing = Pacing::default();
+        let detail = Detail { step: 0.5, ..Detail::default() };
+        (0..45).for_each(|_| pacing.advance(&detail, false, 0.0, DT));
+        assert_eq!(pacing.due, None);
+        pacing.advance(&detail, true, 0.0, DT);
+        assert!(pacing.due.is_some(), "it changed state");
+    }
+
+    #[test]
+    fn a_crowd_that_changes_together_is_posed_by_turns() {
+        let detail = Detail { step: 0.1, ..Detail::default() };
+        let mut crowd = vec![Pacing::default(); 60];
+        let mut most = 0;
+        for frame in 0..120 {
+            for (index, pacing) in crowd.iter_mut().enumerate() {
+                pacing.advance(&detail, false, index as f32 / 60.0, DT);
+            }
+            if frame > 30 {
+                most = most.max(crowd.iter().filter(|pacing| pacing.due.is_some()).count());
+            }
+        }
+        assert!(most <= 12, "{most} of 60 are posed in one frame, 10 would be even");
+    }
+}

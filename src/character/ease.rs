@@ -1,0 +1,171 @@
+//! Blends between the poses of those that aren't posed in every frame, and over changes from one detail to another.
+//!
+//! Reads [`Pacing`] and the pose of all stages before; writes [`CharacterPose`], local and model space. With steps of `s` seconds the
+//! pose is seen `s` late, between its last two; where that begins or ends, the difference decays.
+
+use bevy::prelude::*;
+
+use super::{
+    Character,
+    animator::CharacterPose,
+    bind::CharacterAssets,
+    detail::{Detail, Mode, Pacing},
+    schedule::PoseSystems,
+};
+use crate::{
+    anim::{blend::lerp, skeleton::JointTransform},
+    math::{
+        rotation::{from_scaled_axis, to_scaled_axis},
+        spring::Spring,
+    },
+};
+
+/// Half-life in seconds of the difference between how it was and how it will be posed.
+const HALF_LIFE: f32 = 0.12;
+/// Seconds by which a pose may come before its time.
+const EARLY: f32 = 1e-3;
+/// Share of the difference below which it is over.
+const OVER: f32 = 1e-3;
+
+/// What is carried over for one character. Its buffers are made when it is first posed in steps.
+#[derive(Component, Clone, Debug, Default)]
+pub struct Ease {
+    /// The last two poses, the older one first.
+    keys: [Vec<JointTransform>; 2],
+    /// Seconds between the two, and since the last one.
+    span: f32,
+    since: f32,
+    stepped: Option<f32>,
+    offsets: Vec<Offset>,
+    /// How much of the offsets is left.
+    share: Spring<f32>,
+}
+
+/// What takes a joint from how it is posed now to how it was posed before.
+#[derive(Clone, Copy, Debug)]
+struct Offset {
+    rotation: Vec3,
+    translation: Vec3,
+}
+
+impl Ease {
+    /// One frame: `pose` as the stages left it becomes what is seen.
+    fn advance(&mut self, pacing: &Pacing, pose: &mut [JointTransform], dt: f32) {
+        self.share.step(0.0, HALF_LIFE, dt);
+        self.since += dt;
+        let (was, due) = (self.stepped, pacing.due.is_some());
+        self.stepped = if let Mode::Stepped(step) = pacing.mode { Some(step) } else { None };
+        match (was, self.stepped) {
+            _ if pacing.mode == Mode::Hidden => return self.share = Spring::at(0.0),
+            (Some(step), None) => self.begin(pose, |ease, joint, posed| (ease.between(joint, step, posed), *posed)),
+            (Some(step), Some(_)) if due && self.since + EARLY < step => {
+                // It didn't wait: what was still to be seen of the last two poses isn't.
+                self.begin(pose, |ease, joint, posed| {
+                    (ease.between(joint, step, posed), ease.between(joint, 0.0, posed))
+                });
+            }
+            _ => {}
+        }
+        match pacing.mode {
+            // The first pose of the first step.
+            Mode::Warming(seconds) if seconds <= 0.0 => self.record(0, pose),
+            Mode::Stepped(_) if due => {
+                if was.is_some() {
+                    self.keys.swap(0, 1);
+                }
+                self.record(1, pose);
+            }
+            _ => {}
+        }
+        if let (None, Some(step)) = (was, self.stepped) {
+            self.begin(pose, |ease, joint, posed| (*posed, ease.between(joint, step, posed)));
+        }
+        if let Some(step) = self.stepped {
+            for (joint, seen) in pose.iter_mut().enumerate() {
+                *seen = self.between(joint, step, seen);
+            }
+        }
+        if self.share.value > OVER {
+            for (seen, offset) in pose.iter_mut().zip(&self.offsets) {
+                *seen = offset.on(seen, self.share.value);
+            }
+        }
+    }
+
+    fn record(&mut self, key: usize, pose: &[JointTransform]) {
+        self.keys[key].clear();
+        self.keys[key].extend_from_slice(pose);
+        (self.span, self.since) = (self.since, 0.0);
+    }
+
+    /// Whether it changes poses at all.
+    fn is_idle(&self, pacing: &Pacing) -> bool {
+        pacing.mode == Mode::Every && self.stepped.is_none() && self.share.value <= OVER
+    }
+
+    /// The joint as it was `step` seconds ago; as `posed` now where that isn't known, as in a model that has changed.
+    fn between(&self, joint: usize, step: f32, posed: &JointTransform) -> JointTransform {
+        let [Some(from), Some(to)] = [0, 1].map(|key| self.keys[key].get(joint).copied()) else {
+            return *posed;
+        };
+        let share = if self.span > 0.0 { (self.span + self.since - step) / self.span } else { 1.0 };
+        lerp(from, to, share.clamp(0.0, 1.0))
+    }
+
+    /// From now on something else is seen: `pair` gives how a joint would be seen so far, and how it will be.
+    fn begin(
+        &mut self,
+        pose: &[JointTransform],
+        pair: impl Fn(&Self, usize, &JointTransform) -> (JointTransform, JointTransform),
+    ) {
+        let left = if self.share.value > OVER { self.share.value } else { 0.0 };
+        let mut offsets = core::mem::take(&mut self.offsets);
+        offsets.resize(pose.len(), Offset { rotation: Vec3::ZERO, translation: Vec3::ZERO });
+        for (joint, (offset, posed)) in offsets.iter_mut().zip(pose).enumerate() {
+            let (before, after) = pair(self, joint, posed);
+            let seen = offset.on(&before, left);
+            *offset = Offset {
+                rotation: to_scaled_axis(seen.rotation * after.rotation.inverse()),
+                translation: seen.translation - after.translation,
+            };
+        }
+        (self.offsets, self.share) = (offsets, Spring::at(1.0));
+    }
+}
+
+impl Offset {
+    fn on(&self, joint: &JointTransform, share: f32) -> JointTransform {
+        JointTransform {
+            rotation: (from_scaled_axis(self.rotation * share) * joint.rotation).normalize(),
+            translation: joint.translation + self.translation * share,
+            ..*joint
+        }
+    }
+}
+
+/// Blends between poses.
+pub struct EasePlugin;
+
+impl Plugin for EasePlugin {
+    fn build(&self, app: &mut App) {
+        app.register_required_components::<Detail, Ease>().add_systems(PostUpdate, ease.in_set(PoseSystems::Ease));
+    }
+}
+
+fn ease(
+    time: Res<Time>,
+    assets: CharacterAssets,
+    mut characters: Query<(&Character, &Pacing, &mut Ease, &mut CharacterPose)>,
+) {
+    let dt = time.delta_secs();
+    characters.par_iter_mut().for_each(|(character, pacing, mut ease, mut pose)| {
+        let Some(asset) = assets.get(character).filter(|_| !ease.is_idle(pacing)) else { return };
+        let hidden = pacing.mode == Mode::Hidden;
+        if hidden {
+            ease.advance(pacing, &mut [], dt);
+        } else {
+            ease.advance(pacing, pose.pose.locals_mut(), dt);
+            pose.pose.update_model(&asset.skeleton);
+        }
+    });
+}
