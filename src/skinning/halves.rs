@@ -85,7 +85,6 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    #[expect(clippy::single_range_in_vec_init, reason = "a list of one range is meant")]
     fn pending(run: Range<u32>) -> Pending {
         Pending { written: vec![run], ..Pending::default() }
     }
