@@ -12,6 +12,7 @@ mod character_file;
 mod character_states;
 mod clips;
 mod determinism;
+mod face;
 mod feet;
 mod foreign;
 mod gltf_file;
