@@ -7,10 +7,10 @@ use crate::{
         blend::lerp,
         ik::two_bone::Extension,
         pose::Pose,
-        skeleton::{JointIndex, Skeleton},
+        skeleton::{JointIndex, JointTransform, Skeleton},
     },
     character::legs::{LegJoints, place_leg},
-    math::rotation::{direction_or, from_scaled_axis, shortest_arc},
+    math::rotation::{direction_or, from_scaled_axis, shortest_arc, to_scaled_axis},
     rig::{
         character::CharacterAsset,
         humanoid::HumanoidRole::{
@@ -34,6 +34,8 @@ pub(super) struct Arm {
     elbow: Vec3,
     /// Where the hand points when it goes on straight from the forearm, in its own space.
     forward: Vec3,
+    /// Local rotations of upper arm, forearm and hand when the arm points straight ahead.
+    ahead: [Quat; 3],
 }
 
 impl Arm {
@@ -49,7 +51,12 @@ impl Arm {
             let joints = LegJoints { upper: upper?, lower: lower?, foot: hand? };
             let along = direction_or(rest.position(joints.foot) - rest.position(joints.lower), Vec3::NEG_Y);
             let forward = rest.rotation(joints.foot).inverse() * along;
-            Some(Self { joints, shoulder, elbow, forward })
+            let ahead = [Quat::IDENTITY; 3];
+            let arm = Self { joints, shoulder, elbow, forward, ahead };
+            let mut pose = rest.clone();
+            arm.point(&mut pose, &asset.skeleton, Vec3::NEG_Z, 0.96, 1.0);
+            let ahead = [joints.upper, joints.lower, joints.foot].map(|joint| pose.local(joint).rotation);
+            Some(Self { ahead, ..arm })
         };
         [arm(roles[0], ELBOWS[0]), arm(roles[1], ELBOWS[1])]
     }
@@ -80,11 +87,23 @@ impl Arm {
         let forearm = direction_or(pose.position(hand) - pose.position(lower), way);
         let aimed = shortest_arc(carried * self.forward, bent_to(forearm, way, WRIST)) * carried;
         pose.rotate_model(skeleton, hand, aimed * pose.rotation(hand).inverse());
-        for (joint, before) in joints.into_iter().zip(before) {
-            pose.set_local(joint, lerp(before, pose.local(joint), weight));
+        for ((joint, before), ahead) in joints.into_iter().zip(before).zip(self.ahead) {
+            let aimed = pose.local(joint);
+            let rotation = between(before.rotation, aimed.rotation, ahead, weight);
+            pose.set_local(joint, JointTransform { rotation, ..lerp(before, aimed, weight) });
         }
         pose.update_model_below(skeleton, upper);
     }
+}
+
+/// The rotation that is `weight` of the way from `from` to `to`, by way of `middle`: from behind the back to overhead there
+/// are two ways round, and only one leads through what lies ahead.
+fn between(from: Quat, to: Quat, middle: Quat, weight: f32) -> Quat {
+    if weight >= 1.0 {
+        return to;
+    }
+    let [from, to] = [from, to].map(|rotation| to_scaled_axis(middle.inverse() * rotation));
+    (middle * from_scaled_axis(from.lerp(to, weight))).normalize()
 }
 
 /// The turn about the unit vector `axis` that brings `from` beside it where `to` is; none where either lies along it.
