@@ -211,7 +211,8 @@ impl MotionConfig {
     #[must_use]
     pub fn fitted(&self, size: BodySize) -> Self {
         let BodySize { stature, legs } = size.rounded();
-        let (pace, mass) = (legs.sqrt(), stature * stature * stature);
+        // Physics can't hold forces of giants taller than that.
+        let (pace, mass) = (legs.sqrt(), (stature * stature * stature).min(1000.0));
         Self {
             walk_speed: self.walk_speed * pace,
             run_speed: self.run_speed * pace,
