@@ -19,7 +19,7 @@ use crate::{
     anim::pose::Pose,
     math::{
         rotation::{from_scaled_axis, heading, to_scaled_axis, yaw_and_pitch},
-        spring::{Spring, damp},
+        spring::{Pursuit, damp},
     },
     rig::{character::CharacterAsset, humanoid::HumanoidRole, tuning::look::LookConfig},
 };
@@ -32,7 +32,7 @@ pub struct LookAt(pub Vec3);
 #[derive(Component, Clone, Debug, Default)]
 pub struct Look {
     /// Yaw and pitch against the clip's.
-    pub gaze: Spring<Vec2>,
+    pub gaze: Pursuit<Vec2>,
     /// How much of the look is off, 0..=1: for those that are seen small.
     pub off: f32,
 }
@@ -130,8 +130,9 @@ fn look(
             }
             _ => wanted_gaze(motion, locomotion.grade(), config),
         };
-        look.gaze.step(goal, config.half_life, dt);
-        let gaze = Quat::from_rotation_y(look.gaze.value.x) * Quat::from_rotation_x(look.gaze.value.y);
+        look.gaze.step(goal, config.fastest, config.half_life, dt);
+        let Vec2 { x: yaw, y: pitch } = look.gaze.value();
+        let gaze = Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch);
         let lean = if asset.file.balance.enabled { balance.whole() } else { Vec3::ZERO };
         let turn = (to_scaled_axis(gaze) - lean * config.level) * (1.0 - look.off);
         if turn.length() > NOTHING {

@@ -14,7 +14,7 @@ use crate::{
         Character,
         animator::CharacterPose,
         bind::CharacterAssets,
-        chains::{ChainOf, IkChain, IkTarget},
+        chains::{ChainOf, IkChain, IkTarget, TipFacing},
         motion::MotionState,
     },
     rig::{
@@ -37,6 +37,8 @@ const FASTEST: f32 = 2.3;
 const HALF_LIFE: f32 = 0.14;
 /// Middle of the palm from the wrist in metres, of a body of 1.8 m: outward and down, as the arm is at rest.
 const PALM: (f32, f32) = (0.085, 0.03);
+/// Most that a hand bends and twists to lie on what it touches, radians.
+const WRIST: f32 = 1.3;
 /// Metres below the shoulder at which a hand touches what is upright.
 const BELOW_SHOULDER: f32 = 0.2;
 
@@ -125,10 +127,22 @@ impl Touchable {
     }
 }
 
+impl Touchable {
+    /// Where a palm looks that lies on it at `hold`; both in its own space.
+    #[must_use]
+    pub fn inward(&self, hold: Vec3) -> Vec3 {
+        match self {
+            Self::Bar { .. } => Vec3::NEG_Y,
+            Self::Mast { .. } => -hold.with_y(0.0).normalize_or(Vec3::X),
+        }
+    }
+}
+
 fn give_arms(mut commands: Commands, fresh: Query<Entity, Added<Touches>>) {
     for entity in &fresh {
         for (side, outward) in [(LEFT, -1.0), (RIGHT, 1.0)] {
-            let chain = IkChain { half_life: HALF_LIFE, ..IkChain::arm(side) };
+            let facing = Some(TipFacing { side: Vec3::NEG_Y, toward: Vec3::NEG_Y, most: WRIST });
+            let chain = IkChain { half_life: HALF_LIFE, facing, ..IkChain::arm(side) };
             let chain = chain.with_effector(Vec3::new(outward * PALM.0, -PALM.1, 0.0));
             commands.spawn((TouchingArm { side, outward }, chain, ChainOf(entity)));
         }
@@ -153,12 +167,20 @@ fn touch(
         let hand = Hand { shoulder, outward: arm.outward, reach: arm_length * if holds { LETS_GO } else { TAKES } };
         let walks = motion.ground.is_some() && motion.ground_velocity.length() < FASTEST && !motion.facing_locked;
         let near = things.iter().filter(|_| walks).filter_map(|(entity, thing, place)| {
-            let (place, away) = hand.take(thing, &place.to_isometry(), &root.to_isometry())?;
-            Some((IkTarget::Entity(entity, place), away))
+            let world_from_thing = place.to_isometry();
+            let (place, away) = hand.take(thing, &world_from_thing, &root.to_isometry())?;
+            Some((IkTarget::Entity(entity, place), away, world_from_thing.rotation * thing.inward(place)))
         });
-        let target = near.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(IkTarget::None, |(target, _)| target);
+        let nearest = near.min_by(|a, b| a.1.total_cmp(&b.1));
+        let target = nearest.map_or(IkTarget::None, |(target, ..)| target);
         if chain.target != target {
             chain.target = target;
+        }
+        if let (Some((.., inward)), Some(mut facing)) = (nearest, chain.facing)
+            && facing.toward != inward
+        {
+            facing.toward = inward;
+            chain.facing = Some(facing);
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Source: Daniel Holden, "Spring-It-On: The Game Developer's Spring-Roll-Call" (theorangeduck.com, 2021).
 
-use bevy::math::{Quat, Vec3, ops};
+use bevy::math::{Quat, Vec2, Vec3, ops};
 
 use super::rotation::{from_scaled_axis, to_scaled_axis};
 
@@ -86,6 +86,69 @@ impl<T: Springy> Spring<T> {
     }
 }
 
+impl<T: Springy> Spring<T> {
+    /// [`step`](Self::step) toward a goal that is at `goal` now and moves by `goal_velocity` per second: exact, too.
+    pub fn step_after(&mut self, goal: T, goal_velocity: T, half_life: f32, dt: f32) {
+        let dt = dt.max(0.0);
+        if half_life < SHORTEST_HALF_LIFE {
+            return self.step(goal + goal_velocity * dt, half_life, dt);
+        }
+        // Behind a goal in steady motion it comes to trail by 2 v / y; that difference is a spring at rest.
+        let lag = goal_velocity * (half_life / core::f32::consts::LN_2);
+        let mut trail = Self { value: self.value - goal + lag, velocity: self.velocity - goal_velocity };
+        trail.step(goal * 0.0, half_life, dt);
+        self.value = trail.value + goal + goal_velocity * dt - lag;
+        self.velocity = trail.velocity + goal_velocity;
+    }
+}
+
+/// A value that goes after a goal, however far that jumps, with bounded speed and acceleration.
+///
+/// A spring after a lure, which itself goes straight to the goal at no more than the fastest speed. So the value is never
+/// faster than the lure, and gains no more than 2 · fastest · y / e per second, y = 2 ln 2 / half-life. Exact in time: two
+/// steps of dt/2 equal one of dt.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pursuit<T> {
+    spring: Spring<T>,
+    lure: T,
+}
+
+impl Pursuit<Vec2> {
+    /// At rest at `value`.
+    #[must_use]
+    pub fn at(value: Vec2) -> Self {
+        Self { spring: Spring::at(value), lure: value }
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn value(&self) -> Vec2 {
+        self.spring.value
+    }
+
+    /// How fast it moves, per second.
+    #[must_use]
+    pub fn velocity(&self) -> Vec2 {
+        self.spring.velocity
+    }
+
+    /// Goes after `goal` for `dt` seconds, at most `fastest` units per second.
+    pub fn step(&mut self, goal: Vec2, fastest: f32, half_life: f32, dt: f32) {
+        let (way, fastest) = (goal - self.lure, fastest.max(0.0));
+        let arrives = if fastest > 0.0 { way.length() / fastest } else { f32::INFINITY };
+        let under_way = dt.max(0.0).min(arrives);
+        if under_way > 0.0 {
+            let velocity = way.normalize_or_zero() * fastest;
+            self.spring.step_after(self.lure, velocity, half_life, under_way);
+            self.lure += velocity * under_way;
+        }
+        if dt > under_way {
+            self.lure = goal;
+            self.spring.step(goal, half_life, dt - under_way);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,6 +178,24 @@ mod tests {
             twice.step(goal, half_life, dt * 0.5);
             prop_assert!((once.value - twice.value).abs() < 1e-3, "{} after one step, {} after two", once.value, twice.value);
             prop_assert!((once.velocity - twice.velocity).abs() < 1e-2 * (1.0 + once.velocity.abs()), "velocity {} and {}", once.velocity, twice.velocity);
+        }
+
+        #[test]
+        fn a_pursuit_is_exact_and_bounded(goals in proptest::collection::vec((-3.0f32..3.0, -3.0f32..3.0), 1..6), fastest in 0.5f32..12.0, half_life in 0.02f32..0.3, dt in 0.002f32..0.2) {
+            let mut once = Pursuit::at(Vec2::ZERO);
+            let mut finely = once;
+            let most = 2.0 * fastest * (2.0 * core::f32::consts::LN_2 / half_life) / core::f32::consts::E;
+            for (x, y) in goals {
+                let before = once;
+                once.step(Vec2::new(x, y), fastest, half_life, dt);
+                for _ in 0..4 {
+                    finely.step(Vec2::new(x, y), fastest, half_life, dt / 4.0);
+                }
+                prop_assert!(once.value().distance(finely.value()) < 2e-3, "{} in one step, {} in four", once.value(), finely.value());
+                prop_assert!(once.velocity().length() <= 1.001 * fastest + 1e-3, "{} at most {fastest}", once.velocity().length());
+                let gained = once.velocity().distance(before.velocity()) / dt;
+                prop_assert!(gained <= 1.01 * most + 0.1, "gained {gained} per second, at most {most}");
+            }
         }
 
         #[test]

@@ -6,7 +6,7 @@ use super::{
     character::{CharacterAsset, CharacterClip},
     character_file::CharacterFile,
     humanoid::HumanoidRole,
-    joint_ref::JointError,
+    joint_ref::{JointError, JointRef},
     names::{listed, suggestion},
     tuning::actions::{ActionConfig, standard},
 };
@@ -79,13 +79,14 @@ pub enum ActionError {
 const SPINE: [HumanoidRole; 4] =
     [HumanoidRole::Spine, HumanoidRole::Chest, HumanoidRole::UpperChest, HumanoidRole::Neck];
 
-/// Names of clips that the actions listed in `file` play or differ from.
-pub(super) fn clips_of(file: &CharacterFile) -> impl Iterator<Item = &str> {
-    let table = file.actions.iter().flatten();
+/// Names of clips that the actions of `file`, listed or standard, play or differ from.
+pub(super) fn clips_of(file: &CharacterFile) -> Vec<String> {
+    let table = file.actions.clone().unwrap_or_else(standard);
     table
-        .flat_map(|(name, config)| [Some(config.clip.as_ref().unwrap_or(name)), config.reference.as_ref()])
+        .into_iter()
+        .flat_map(|(name, config)| [Some(config.clip.unwrap_or(name)), config.reference])
         .flatten()
-        .map(String::as_str)
+        .collect()
 }
 
 /// The actions that the file lists, or the standard ones; and each further clip, as an action of its own name.
@@ -97,7 +98,7 @@ pub(super) fn resolve(asset: &CharacterAsset) -> Result<Vec<CharacterAction>, Ac
                 actions.push(action(asset, name, config)?);
             }
         }
-        None => actions.extend(standard().iter().filter_map(|(name, config)| action(asset, name, config).ok())),
+        None => actions.extend(standard().iter().filter_map(|(name, config)| standard_action(asset, name, config))),
     }
     let config = ActionConfig::default();
     let mask = spine(asset).map(|root| Arc::new(Mask::branch(&asset.skeleton, root, config.feather)));
@@ -110,6 +111,12 @@ pub(super) fn resolve(asset: &CharacterAsset) -> Result<Vec<CharacterAction>, Ac
         }
     }
     Ok(actions)
+}
+
+/// A standard action; of bodies without shoulders the arm alone takes part.
+fn standard_action(asset: &CharacterAsset, name: &str, config: &ActionConfig) -> Option<CharacterAction> {
+    let arm = ActionConfig { root: Some(JointRef::Role(HumanoidRole::RightUpperArm)), ..config.clone() };
+    action(asset, name, config).or_else(|_| action(asset, name, &arm)).ok()
 }
 
 fn action(asset: &CharacterAsset, name: &str, config: &ActionConfig) -> Result<CharacterAction, ActionError> {

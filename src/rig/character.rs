@@ -7,17 +7,19 @@ use bevy::{asset::AssetPath, math::Affine3A, prelude::*};
 use super::{
     Rig,
     actions::{self, ActionError, CharacterAction},
-    binding::Binding,
+    binding::{self, Binding},
     character_file::{CharacterFile, ClipSource},
     humanoid::{Humanoid, HumanoidError, HumanoidRole},
     legs::{self, Body},
     names::{listed, suggestion},
+    own_clips::{self, OwnClip},
     retarget::{Source, Target},
     standard_clips,
     trunk::trunk,
     tuning::{
         foot_ik::TUNED_LEG,
         locomotion::{Pace, StateConfig},
+        motion::{BodySize, TUNED_STATURE},
         ranges::{RangeError, Ranges},
     },
 };
@@ -52,6 +54,10 @@ pub struct CharacterAsset {
     pub trunk: Vec<JointIndex>,
     /// Thigh and shin, the mean of both legs, metres.
     pub leg_length: f32,
+    /// Height at rest, metres.
+    pub stature: f32,
+    /// Clips of its own that are called as states are in other words.
+    pub own_clips: Vec<OwnClip>,
     clips: Vec<CharacterClip>,
     actions: Vec<CharacterAction>,
 }
@@ -162,16 +168,19 @@ impl CharacterAsset {
         let mut asset = Self {
             trunk: trunk(&model.skeleton, &humanoid, &legs),
             model: path,
+            leg_length: 0.5 * (legs[0].length() + legs[1].length()),
+            stature: binding::stature(&model, &model.skeleton),
             skeleton: Arc::new(model.skeleton.clone()),
             rig: Arc::new(model),
             hips,
             legs,
-            leg_length: 0.5 * (legs[0].length() + legs[1].length()),
+            own_clips: Vec::new(),
             clips: Vec::new(),
             actions: Vec::new(),
             humanoid,
             file,
         };
+        asset.fit_motion();
         asset.clips = asset.resolve_clips(others)?;
         asset.add_standard_clips();
         asset.complete_states()?;
@@ -215,11 +224,20 @@ impl CharacterAsset {
         Target { rig, skeleton, humanoid, legs, config: &file.retarget }
     }
 
+    /// Brings the controller's figures to the size of this body.
+    fn fit_motion(&mut self) {
+        let size = BodySize { stature: self.stature / TUNED_STATURE, legs: self.leg_length / TUNED_LEG };
+        // Once is enough.
+        if core::mem::take(&mut self.file.fit_motion) {
+            self.file.motion = self.file.motion.fitted(size);
+        }
+    }
+
     /// Clips that states and actions lack and the mannequin has.
     fn add_standard_clips(&mut self) {
         let locomotion = self.file.locomotion.completed(|_| true);
-        let mut missing: Vec<&str> = locomotion.states().iter().flat_map(StateConfig::clips).collect();
-        missing.extend(actions::clips_of(&self.file));
+        let mut missing = actions::clips_of(&self.file);
+        missing.extend(locomotion.states().iter().flat_map(StateConfig::clips).map(str::to_owned));
         missing.retain(|name| self.clip(name).is_none());
         if missing.is_empty() || !self.file.standard_clips {
             return;
@@ -228,7 +246,7 @@ impl CharacterAsset {
         let source = Source::new(mannequin, self.target());
         // Bodies alike but for size move alike in times that go with the root of their lengths (Alexander 1989).
         let pace = source.length().sqrt();
-        let found = mannequin.clips.iter().filter(|clip| missing.contains(&clip.name.as_str()));
+        let found = mannequin.clips.iter().filter(|clip| missing.contains(&clip.name));
         let clips: Vec<CharacterClip> = found
             .filter_map(|clip| {
                 let feet = source.gait(clip, self.turn_of(&clip.name));
@@ -241,7 +259,7 @@ impl CharacterAsset {
         self.clips.sort_by(|a, b| a.name.cmp(&b.name));
     }
 
-    fn resolve_clips(&self, others: &BTreeMap<String, Rig>) -> Result<Vec<CharacterClip>, CharacterError> {
+    fn resolve_clips(&mut self, others: &BTreeMap<String, Rig>) -> Result<Vec<CharacterClip>, CharacterError> {
         let mut sources: BTreeMap<&str, ClipSource> =
             self.rig.clips.iter().map(|clip| (clip.name.as_str(), ClipSource::default())).collect();
         sources.extend(self.file.clips.iter().map(|(name, source)| (name.as_str(), source.clone())));
@@ -252,6 +270,10 @@ impl CharacterAsset {
         }
         by_file.values_mut().for_each(|clips| self.settle(clips));
         let mut clips: Vec<CharacterClip> = by_file.into_values().flatten().collect();
+        drop(sources);
+        if self.file.own_clips {
+            self.own_clips = own_clips::adopt(&mut clips, self.leg_length);
+        }
         clips.sort_by(|a, b| a.name.cmp(&b.name));
         Ok(clips)
     }

@@ -28,7 +28,7 @@ use super::{
 pub struct CharacterFile {
     /// The glTF file of body and clips, beside this file. Default "mannequin.glb".
     pub model: String,
-    /// Size as a factor. Default 1. Lengths of foot placement follow it; speeds of motion don't.
+    /// Size as a factor. Default 1. Lengths of foot placement follow it, and so does `motion` with `fit_motion`.
     pub scale: f32,
     /// Which joint plays which part. Default `Auto`.
     pub roles: Roles,
@@ -38,12 +38,18 @@ pub struct CharacterFile {
     /// Clips by the names that states use. Every clip of the model is there under its own name; entries here add to
     /// them or change them. Default none.
     pub clips: BTreeMap<String, ClipSource>,
+    /// Whether clips of the model that are called as the standard states are in other words, `Walking_A` or `Armature|Run`,
+    /// play in those states. Default true.
+    pub own_clips: bool,
     /// Whether clips that its states lack come from this crate's mannequin, made to fit. Default true.
     pub standard_clips: bool,
     /// How clips of another body, the mannequin's among them, become this one's.
     pub retarget: RetargetConfig,
     /// How the controller moves the character.
     pub motion: MotionConfig,
+    /// Whether `motion` is meant for a person of 1.8 m and is brought to this body's size: lengths go with its stature,
+    /// speeds with the root of its legs' length. Default true; `false` takes every figure as it stands.
+    pub fit_motion: bool,
     /// Which clips play when.
     pub locomotion: LocomotionConfig,
     /// What is laid over it, by name. Each further clip can be played by its own name, too, with everything at its default.
@@ -67,9 +73,11 @@ impl Default for CharacterFile {
             roles: Roles::Auto,
             soles: None,
             clips: BTreeMap::new(),
+            own_clips: true,
             standard_clips: true,
             retarget: RetargetConfig::default(),
             motion: MotionConfig::default(),
+            fit_motion: true,
             locomotion: LocomotionConfig::default(),
             actions: None,
             balance: BalanceConfig::default(),

@@ -12,9 +12,10 @@
 //! ```
 //!
 //! What happens on loading: the joints that make a body are [found](super::binding), the file is turned to stand upright and
-//! look along -Z in metres, its soles are laid on the ground, and every clip that the
-//! [standard states](super::tuning::standard) want and the model lacks is taken from this crate's mannequin and made to fit.
-//! `.glb`, `.gltf` and `.vrm` files will do.
+//! look along -Z in metres, its soles are laid on the ground, its own clips play in the
+//! [standard states](super::tuning::standard) that [their names tell](super::own_clips), `Walking_A` or `Armature|Idle`, and
+//! every clip that is still wanted is taken from this crate's mannequin and made to fit. The controller's figures are brought to
+//! the body's size: one with legs half as long walks 0.7 times as fast. `.glb`, `.gltf` and `.vrm` files will do.
 //!
 //! As soon as something is to differ, a `.character.ron` beside the model says what; all it needs is the model's name:
 //!
@@ -63,8 +64,8 @@
 //! # Ok::<(), surefoot::rig::character_file::CharacterFileError>(())
 //! ```
 //!
-//! `walk` and `wave` are names that the standard states play, so that nothing else is to be said; the other states keep the
-//! mannequin's clips. Download clips "in place": root motion left in a clip counts for how fast its feet go, but the
+//! `walk` is a name that a standard state plays and `wave` that of a standard action, so that nothing else is to be said; the
+//! other states keep the mannequin's clips. Download clips "in place": root motion left in a clip counts for how fast its feet go, but the
 //! controller moves the body.
 //!
 //! # A VRM-like model
@@ -119,6 +120,41 @@
 //! contacts. Bodies of another size step in times that go with the root of their legs' length, as pendulums do, when they walk
 //! with the mannequin's clips. Every field of [`RetargetConfig`](super::tuning::retarget::RetargetConfig) may be set in the file.
 //!
+//! # Its own clips
+//!
+//! A clip whose name says no more than what it is, `Robot_Walking`, `Jog_Fwd`, `Strafe Left`, `Rig|Jump_Idle`, plays in the state
+//! of that name, if it ends as it begins and its feet do what the state does; `surefoot view` tells which are taken and why
+//! others aren't. Jumps, landings and turns have to fit the controller to a tenth of a second, so they are taken only under the
+//! state's own name. What plays is decided by the file, first of all:
+//!
+//! ```
+//! # use surefoot::rig::character_file::CharacterFile;
+//! let file = CharacterFile::parse(
+//!     r#"(
+//!         model: "robot.glb",
+//!         clips: {
+//!             // Another one than the name tells, and one that no name tells.
+//!             "walk": (clip: "Robot_March", ground_speed: 1.1),
+//!             "jump": (clip: "Robot_Leap"),
+//!         },
+//!         // Or none by name at all: own_clips: false,
+//!         // Figures as they stand, whatever the body's size.
+//!         fit_motion: false,
+//!         motion: (walk_speed: 1.1, height: 1.3),
+//!     )"#,
+//! )?;
+//! assert!(file.own_clips && !file.fit_motion);
+//! # Ok::<(), surefoot::rig::character_file::CharacterFileError>(())
+//! ```
+//!
+//! Every clip can be played over what the body does, too: `actions.play("Robot_ThumbsUp")`, by
+//! [`Actions`](crate::character::animator::Actions).
+//!
+//! # Its face
+//!
+//! Morph targets go with the clips that move them, and by name where the game wants them: `morphs.set("smile", 0.8)` on the
+//! component [`Morphs`](../../skinning/struct.Morphs.html), until `morphs.release("smile")`.
+//!
 //! # Hold it to the measures
 //!
 //! The harness that tests the mannequin takes any character:
@@ -145,6 +181,7 @@
 //! | `leftLowerLeg … does not hang below leftUpperLeg` | The limb can't carry it. Name the joints that hang together; feet alone may hang elsewhere. |
 //! | `… that bone has no length` | Two joints of a leg in one place: another one is meant. |
 //! | `left and right are swapped in the joint names` | A note: toes point the other way than the names say, as after mirroring. Sides were changed. |
+//! | `` `Run` is called like `run` but … `` | A remark of `surefoot view`: the mannequin's clip plays instead. Make the clip a loop, or name it in `clips`. |
 //! | `… which the model doesn't have (did you mean …?)` | A joint, clip or state is misspelt; all that exist are listed. |
 //! | `no joint that … moves has a partner` | The clip's file moves another kind of body, and no names agree. |
 //! | `glTF element …`, `accessor …`, `clip …`, `skin …`, `mesh …, vertex …` | The file itself is broken; the message names the element. Export it again. |

@@ -3,7 +3,7 @@
 use bevy::{platform::collections::HashMap, reflect::Reflect};
 use serde::{Deserialize, Serialize};
 
-use crate::anim::skeleton::JointIndex;
+use crate::anim::skeleton::{JointIndex, Skeleton};
 
 /// A part of a body. Names are those of VRM 1.0.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -52,7 +52,7 @@ const NEEDED: [Role; 7] = [
 pub enum HumanoidError {
     /// Roles without a joint.
     #[error(
-        "no joint found for {missing}; found: {found}; joints of the skin: {joints}. \
+        "no joint found for {missing}; found: {found}; joints: {joints}. \
          Name the missing ones in `roles: Explicit({{leftFoot: \"…\"}})`"
     )]
     Missing {
@@ -128,6 +128,21 @@ impl Humanoid {
     #[must_use]
     pub fn get(&self, role: Role) -> Option<JointIndex> {
         self.joints.get(&role).copied()
+    }
+
+    /// Joints of the spine above the hips, lowest first.
+    #[must_use]
+    pub fn spine(&self, skeleton: &Skeleton) -> Vec<JointIndex> {
+        let top = [Role::UpperChest, Role::Chest, Role::Spine].into_iter().find_map(|role| self.get(role));
+        let (Some(hips), Some(top)) = (self.get(Role::Hips), top) else { return Vec::new() };
+        let mut joints = Vec::new();
+        let mut walk = Some(top);
+        while let Some(joint) = walk.filter(|&joint| joint != hips) {
+            joints.push(joint);
+            walk = skeleton.parent(joint);
+        }
+        joints.reverse();
+        joints
     }
 
     /// All parts found, in the order of the roles.

@@ -14,6 +14,7 @@ pub mod joint_ref;
 mod legs;
 pub mod loader;
 mod names;
+pub mod own_clips;
 mod retarget;
 mod standard_clips;
 mod straight;

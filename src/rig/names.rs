@@ -75,7 +75,7 @@ impl JointName {
     }
 }
 
-fn words_of(name: &str) -> Vec<String> {
+pub(super) fn words_of(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
     let mut letters = name.chars().peekable();

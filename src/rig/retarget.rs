@@ -212,8 +212,8 @@ impl Bodies<'_> {
         let config = target.config;
         let Some((hips, own_hips)) = self.pair(Role::Hips) else { return Vec::new() };
         let mut parts = vec![whole(hips, own_hips, Quat::IDENTITY)];
-        let trunk = spine(self.source, from);
-        let own_trunk = spine(self.own, target.skeleton);
+        let trunk = self.source.spine(from);
+        let own_trunk = self.own.spine(target.skeleton);
         let top = trunk.last().copied().unwrap_or(hips);
         // The spines may have different numbers of joints: each follows what is at its share of the way up.
         for (place, &to) in own_trunk.iter().enumerate() {
@@ -277,18 +277,4 @@ impl Bodies<'_> {
         let [wanted, own] = bone(middle, end);
         [upper, shortest_arc(upper * own, wanted) * upper]
     }
-}
-
-/// Joints of the spine above the hips, lowest first.
-fn spine(humanoid: &Humanoid, skeleton: &Skeleton) -> Vec<JointIndex> {
-    let top = [Role::UpperChest, Role::Chest, Role::Spine].into_iter().find_map(|role| humanoid.get(role));
-    let (Some(hips), Some(top)) = (humanoid.get(Role::Hips), top) else { return Vec::new() };
-    let mut joints = Vec::new();
-    let mut walk = Some(top);
-    while let Some(joint) = walk.filter(|&joint| joint != hips) {
-        joints.push(joint);
-        walk = skeleton.parent(joint);
-    }
-    joints.reverse();
-    joints
 }

@@ -7,14 +7,14 @@ use bevy::{
 
 use super::{
     bounds::{PoseBounds, SlotBox},
-    convert::{Binding, ConvertedMesh, Converter},
+    convert::{Binding, Converter},
     material::SkinnedMaterial,
     mesh::SkinMeshError,
     model::{ModelPart, PartOf},
     morphs::Morphs,
     palette::{Palette, SkinnedBy},
 };
-use crate::rig::{MeshBinding, Rig};
+use crate::rig::Rig;
 
 /// A part to be spawned.
 pub(super) struct PartPlan {
@@ -29,6 +29,8 @@ struct MeshPlan {
     name: String,
     mesh: Handle<Mesh>,
     material: Handle<SkinnedMaterial>,
+    /// Its place in [`Rig::meshes`].
+    binding: usize,
     /// Morph targets by name, and their weights at rest.
     morphs: Vec<(String, f32)>,
 }
@@ -36,24 +38,25 @@ struct MeshPlan {
 /// What to spawn for `rig`'s meshes; `None` while something is still loading.
 pub(super) fn plan(gltf: &Gltf, rig: &Rig, converter: &mut Converter) -> Option<Vec<PartPlan>> {
     let mut parts: Vec<PartPlan> = vec![];
-    for binding in &rig.meshes {
+    for (place, binding) in rig.meshes.iter().enumerate() {
         let Some(handle) = gltf.meshes.get(binding.mesh) else {
             warn!("mesh {} of {} is not in the glTF", binding.mesh, rig.meshes.len());
             continue;
         };
         let mesh = converter.gltf_mesh(handle)?;
-        plan_mesh(&mesh, binding, rig, converter, &mut parts)?;
+        plan_mesh(&mesh, place, rig, converter, &mut parts)?;
     }
     Some(parts)
 }
 
 fn plan_mesh(
     mesh: &GltfMesh,
-    binding: &MeshBinding,
+    place: usize,
     rig: &Rig,
     converter: &mut Converter,
     parts: &mut Vec<PartPlan>,
 ) -> Option<()> {
+    let binding = rig.meshes.get(place)?;
     for (index, primitive) in mesh.primitives.iter().enumerate() {
         let influences = binding.influences.get(index);
         let material = converter.material(primitive.material.as_ref())?;
@@ -81,21 +84,24 @@ fn plan_mesh(
         };
         match converted {
             Err(error) => plan.errors.push((primitive.name.clone(), error)),
-            Ok(converted) => plan.add(primitive.name.clone(), converted, material, &binding.morph_weights),
+            Ok(converted) => {
+                let rest = binding.morph_weights.iter().copied().chain(core::iter::repeat(0.0));
+                let morphs = converted.morphs.iter().cloned().zip(rest).collect();
+                plan.unite(&converted.boxes);
+                let (name, mesh) = (primitive.name.clone(), converted.mesh);
+                plan.meshes.push(MeshPlan { name, mesh, material, binding: place, morphs });
+            }
         }
     }
     Some(())
 }
 
 impl PartPlan {
-    fn add(&mut self, name: String, converted: ConvertedMesh, material: Handle<SkinnedMaterial>, rest: &[f32]) {
-        self.boxes.resize(converted.boxes.len().max(self.boxes.len()), SlotBox::EMPTY);
-        for (sum, slot_box) in self.boxes.iter_mut().zip(&*converted.boxes) {
+    fn unite(&mut self, boxes: &[SlotBox]) {
+        self.boxes.resize(boxes.len().max(self.boxes.len()), SlotBox::EMPTY);
+        for (sum, slot_box) in self.boxes.iter_mut().zip(boxes) {
             sum.unite(*slot_box);
         }
-        let rest = rest.iter().copied().chain(core::iter::repeat(0.0));
-        let morphs = converted.morphs.iter().cloned().zip(rest).collect();
-        self.meshes.push(MeshPlan { name, mesh: converted.mesh, material, morphs });
     }
 
     pub(super) fn spawn(self, character: Entity, morphs: &mut Morphs, commands: &mut Commands) {
@@ -122,7 +128,7 @@ impl PartPlan {
                 ChildOf(part),
             ));
             if !plan.morphs.is_empty() {
-                mesh.insert(morphs.join(plan.morphs));
+                mesh.insert(morphs.join(plan.binding, plan.morphs));
             }
         }
     }

@@ -10,13 +10,13 @@ use super::{
     assemble::plan,
     convert::{Converted, Converter, follow_sources},
     layout::JointMatrix,
-    morphs::{Morphs, apply_morphs},
+    morphs::{Morphs, apply_morphs, follow_clips},
     palette::Palette,
 };
 use crate::{
     anim::{pose::Pose, skeleton::JointIndex},
     character::{animator::CharacterPose, schedule::PoseSystems},
-    rig::Rig,
+    rig::{Rig, character::CharacterAsset},
 };
 
 /// Draws a character: spawns the meshes of `gltf` as children when both are loaded, again when either changes.
@@ -81,7 +81,11 @@ impl Plugin for SkinnedModelPlugin {
             )
             .add_systems(
                 PostUpdate,
-                (update_palettes.run_if(resource_exists::<Assets<Rig>>), apply_morphs).in_set(PoseSystems::Palette),
+                (
+                    update_palettes.run_if(resource_exists::<Assets<Rig>>),
+                    (follow_clips.run_if(resource_exists::<Assets<CharacterAsset>>), apply_morphs).chain(),
+                )
+                    .in_set(PoseSystems::Palette),
             );
     }
 }

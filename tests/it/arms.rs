@@ -5,7 +5,9 @@ use surefoot::{
     anim::leg::Leg,
     character::{aim::Aiming, animator::CharacterPose, intent::MoveIntent},
     rig::{
-        humanoid::HumanoidRole::{self, Head, LeftHand, LeftUpperArm, RightHand, RightUpperArm},
+        humanoid::HumanoidRole::{
+            self, Head, LeftHand, LeftUpperArm, RightHand, RightLowerArm, RightShoulder, RightUpperArm, UpperChest,
+        },
         tuning::aim::AimingArms,
     },
     testing::{Stage, World},
@@ -169,4 +171,105 @@ fn a_nonsensical_aim_is_none() {
         let pose = &stage.get::<CharacterPose>(walker).expect("bound").pose;
         assert!(pose.models().iter().all(Affine3A::is_finite), "{steep} breaks the pose");
     }
+}
+
+/// A walker who goes at `velocity`, whose aim jumps from one place to the next; measured at this frame rate.
+fn jumping_aim(velocity: Vec3, hertz: f32) -> (Stage, Entity) {
+    let (mut stage, walker) = walker();
+    stage.set_frame_rate(hertz);
+    stage.intend(walker, aim(velocity, None)).run_for(1.5).start_recording(walker);
+    for (yaw, pitch) in [(0.0, 0.0), (-70.0, 40.0), (60.0, -30.0), (-70.0, -55.0), (70.0, 55.0)] {
+        stage.intend(walker, aim(velocity, Some(way(yaw, pitch)))).run_for(0.8);
+    }
+    stage.intend(walker, aim(velocity, None)).run_for(0.8);
+    (stage, walker)
+}
+
+#[test]
+fn an_aim_that_jumps_makes_no_pop() {
+    for velocity in [Vec3::ZERO, Vec3::NEG_Z * 1.4, Vec3::X * 1.2, Vec3::NEG_Z * 3.5] {
+        let (stage, walker) = jumping_aim(velocity, 60.0);
+        let measures = stage.measures(walker);
+        println!("going {velocity}: pops {:.2} and {:.2}", measures.pop_speed, measures.pop_jump);
+        assert!(
+            measures.pop_speed <= 2.0 && measures.pop_jump <= 2.0,
+            "going {velocity}, an aim that jumps turns a joint {:.2} times as fast as the clips, with {:.2} times their jump",
+            measures.pop_speed,
+            measures.pop_jump
+        );
+    }
+}
+
+#[test]
+fn an_aim_that_jumps_is_reached_alike_at_every_frame_rate() {
+    let off = |hertz: f32| {
+        let (mut stage, walker) = walker();
+        stage.set_frame_rate(hertz);
+        stage.intend(walker, aim(Vec3::ZERO, Some(way(-60.0, 0.0)))).run_for(1.0);
+        stage.intend(walker, aim(Vec3::ZERO, Some(way(60.0, 0.0))));
+        [0.1, 0.1, 0.1, 0.4].map(|seconds| {
+            stage.run_for(seconds);
+            arm_off(&stage, walker, RIGHT, way(60.0, 0.0))
+        })
+    };
+    let [slow, usual, fast] = [30.0, 60.0, 120.0].map(off);
+    for ((slow, usual), fast) in slow.into_iter().zip(usual).zip(fast) {
+        assert!((slow - usual).abs() < 1.5 && (fast - usual).abs() < 1.5, "{slow}° off, {usual}° and {fast}°");
+    }
+    assert!(usual[0] > 60.0, "after 0.1 s the arm is only {}° off: it jumped", usual[0]);
+    assert!(usual[3] < 1.5, "after 0.7 s the arm is still {}° off", usual[3]);
+}
+
+#[test]
+fn elbow_and_wrist_stay_within_a_humans_range() {
+    let (mut stage, walker) = walker();
+    for reach in [0.3, 0.6, 0.96, 1.0] {
+        stage.tune(walker, |file| file.aim.reach = reach);
+        for (yaw, pitch) in [(0.0, 0.0), (-90.0, 60.0), (90.0, 60.0), (-90.0, -60.0), (90.0, -60.0), (0.0, 85.0)] {
+            stage.intend(walker, aim(Vec3::ZERO, Some(way(yaw, pitch)))).run_for(0.9);
+            let case = format!("aiming {yaw}° aside and {pitch}° up with a reach of {reach}");
+            let [shoulder, elbow, wrist] =
+                [RightUpperArm, RightLowerArm, RightHand].map(|role| joint(&stage, walker, role).0);
+            let forearm = wrist - elbow;
+            let bend = (elbow - shoulder).angle_between(forearm).to_degrees();
+            assert!((0.0..150.0).contains(&bend), "{case} the elbow bends by {bend:.0}°");
+            let line = (wrist - shoulder).normalize();
+            let down = (elbow - shoulder).reject_from(line);
+            assert!(down.length() < 0.02 || down.y < 0.0, "{case} the elbow points up: {down}");
+            let rest = surefoot::anim::pose::Pose::rest(&stage.asset(walker).expect("loaded").skeleton);
+            let hand = stage.asset(walker).expect("loaded").humanoid.get(RightHand).expect("the mannequin has it");
+            let along = joint(&stage, walker, RightHand).1 * rest.rotation(hand).inverse() * Vec3::X;
+            let wrist_bend = along.angle_between(forearm).to_degrees();
+            assert!(wrist_bend < 80.0, "{case} the wrist bends by {wrist_bend:.0}°");
+        }
+    }
+}
+
+#[test]
+fn spine_and_shoulder_take_part_of_a_wide_aim_and_the_head_stays_with_it() {
+    let turned = |trunk: f32, shoulder: f32| {
+        let (mut stage, walker) = walker();
+        stage.tune(walker, |file| (file.aim.trunk, file.aim.shoulder) = (trunk, shoulder));
+        stage.intend(walker, aim(Vec3::ZERO, None)).run_for(0.5);
+        let before = [UpperChest, RightShoulder].map(|role| joint(&stage, walker, role).1);
+        stage.intend(walker, aim(Vec3::ZERO, Some(way(70.0, 0.0)))).run_for(1.5);
+        let off = arm_off(&stage, walker, RIGHT, way(70.0, 0.0));
+        assert!(off < 1.0, "the arm is {off:.2}° off");
+        let now = [UpperChest, RightShoulder].map(|role| joint(&stage, walker, role).1);
+        let yaw = |place: usize| {
+            let ahead = now[place] * before[place].inverse() * Vec3::NEG_Z;
+            surefoot::math::rotation::heading(ahead).to_degrees()
+        };
+        let head = joint(&stage, walker, Head).1 * Vec3::NEG_Z;
+        ([yaw(0), yaw(1)], head)
+    };
+    let ([still, _], head) = turned(0.0, 0.0);
+    let ([chest, shoulder], turned_head) = turned(0.25, 0.12);
+    assert!(
+        (chest - still - 17.5).abs() < 2.0,
+        "the chest turns by {chest:.1}°, {still:.1}° of which the head asks for"
+    );
+    assert!((shoulder - chest - 8.4).abs() < 2.0, "the shoulder turns by {:.1}° more", shoulder - chest);
+    let apart = head.angle_between(turned_head).to_degrees();
+    assert!(apart < 1.0, "the head looks {apart:.1}° elsewhere than it does without");
 }

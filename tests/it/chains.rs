@@ -11,7 +11,7 @@ use surefoot::{
         Character,
         animator::CharacterPose,
         attach::Attach,
-        chains::{ChainJointSetup, ChainOf, IkChain, IkResult, IkState, IkTarget, Pole, RestLimit},
+        chains::{ChainJointSetup, ChainOf, IkChain, IkResult, IkState, IkTarget, Pole, RestLimit, TipFacing},
     },
     rig::{
         humanoid::HumanoidRole::{Head, LeftHand, RightHand, RightUpperArm},
@@ -325,4 +325,34 @@ fn limits_hold_wherever_the_target_is() {
         let missed = place(&stage, walker, "rightHand").distance(at);
         assert!((missed - result.missed).abs() < 1e-3, "it says {} m of {missed} m", result.missed);
     }
+}
+
+#[test]
+fn a_hand_that_reaches_lays_its_palm_on_the_target() {
+    let (mut stage, walker) = stage();
+    // Held out at rest, the palm looks down.
+    let facing = |toward: Vec3, most: f32| Some(TipFacing { side: Vec3::NEG_Y, toward, most });
+    let reaching = IkChain { facing: facing(Vec3::NEG_Y, 1.5), ..IkChain::arm(RIGHT) };
+    let palm = Vec3::new(0.085, -0.03, 0.0);
+    let chain = add(&mut stage, walker, reaching.with_effector(palm).toward(IkTarget::Point(NEAR)));
+    let off = |stage: &Stage, toward: Vec3| {
+        let asset = stage.asset(walker).unwrap();
+        let hand = asset.humanoid.get(RightHand).unwrap();
+        let rest = Pose::rest(&asset.skeleton).rotation(hand);
+        let turn = stage.get::<CharacterPose>(walker).unwrap().pose.rotation(hand) * rest.inverse();
+        (turn * Vec3::NEG_Y).angle_between(toward).to_degrees()
+    };
+    for toward in [Vec3::NEG_Y, Vec3::new(-0.7, -0.7, 0.0), Vec3::NEG_Z] {
+        change(&mut stage, chain, |chain| chain.facing = facing(toward, 2.0));
+        stage.run_for(1.0);
+        let (off, result) = (off(&stage, toward), result(&stage, chain));
+        assert!(off < 2.0, "toward {toward} the palm is {off:.1}° off");
+        assert!(result.missed < 1e-3, "toward {toward} it misses by {} mm", result.missed * 1000.0);
+        let step = greatest_step(&mut stage, walker, 20);
+        assert!(step < 1.0, "toward {toward} a joint turns by {step}° in a frame though nothing moves");
+    }
+    change(&mut stage, chain, |chain| chain.facing = facing(Vec3::Y, 0.3));
+    stage.run_for(1.0);
+    let off = off(&stage, Vec3::Y);
+    assert!(off > 60.0, "a wrist that turns by 17° at most has the palm only {off:.0}° from straight up");
 }

@@ -188,7 +188,7 @@ fn wrong_names_are_errors_with_the_right_ones() {
     assert_eq!(
         fault(state),
         "`locomotion.states` has `idle` play the clip `idel`, which doesn't exist (did you mean `idle`?); \
-         clips: `idle`, `run`, `walk`"
+         clips: `idle`, `run`, `walk`, `wave`"
     );
     assert_eq!(
         fault(r#"(clips: {"stroll": (clip: "wakl")})"#),
@@ -235,7 +235,7 @@ fn parts_that_are_missing_are_listed_with_what_was_found() {
         error.starts_with("`mannequin.glb`: no joint found for hips, leftUpperLeg, leftLowerLeg, leftFoot"),
         "{error}"
     );
-    assert!(error.contains("found: nothing; joints of the skin: `root`, `tip`"), "{error}");
+    assert!(error.contains("found: nothing; joints: `root`, `tip`"), "{error}");
 }
 
 /// An app with files in memory.

@@ -24,7 +24,7 @@ fn states_that_are_listed_need_all_their_clips() {
     assert_eq!(
         fault(&format!("(locomotion: ({states}, transitions: []))")),
         "`locomotion.states` has `go` play the clip `sidle`, which doesn't exist (did you mean `idle`?); \
-         clips: `idle`, `run`, `walk`"
+         clips: `idle`, `run`, `walk`, `wave`"
     );
     for (states, message) in [
         (r#"(name: "go")"#, "`locomotion.states[0].clip` is empty; valid is either a clip or a blend"),

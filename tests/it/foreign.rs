@@ -241,3 +241,85 @@ fn foreign_bodies_of_any_size_walk_over_hills_and_stairs_on_their_feet() {
         }
     }
 }
+
+/// The mannequin's file with its clips called otherwise; those without a name here are left out.
+fn renamed(names: &[(&str, &str)]) -> GltfFile {
+    let mut file = mannequin();
+    let clips = file.root["animations"].as_array_mut().expect("it has clips");
+    clips.retain_mut(|clip| {
+        let name = clip["name"].as_str().expect("clips have names").trim_start_matches("own ").to_owned();
+        let new = names.iter().find(|(old, _)| *old == name);
+        new.inspect(|(_, new)| clip["name"] = json!(new)).is_some()
+    });
+    file
+}
+
+#[test]
+fn clips_called_like_states_in_other_words_play_in_them() {
+    let names = [
+        ("idle", "Robot_Idle"),
+        ("walk", "Robot_Walking"),
+        ("run", "Robot_Jog_Fwd"),
+        ("sprint", "Robot_Walking_B"),
+        ("jump", "Robot_Jump"),
+        ("crouch_walk", "Robot_Sneaking"),
+        ("strafe_left", "Robot_Strafe Left"),
+        ("walk_back", "Robot_WalkBackward"),
+    ];
+    let asset = character("()", &renamed(&names));
+    let same = |state: &str, clip: &str| {
+        let [a, b] = [state, clip].map(|name| asset.clip(name).unwrap_or_else(|| panic!("no clip `{name}`")));
+        std::sync::Arc::ptr_eq(&a.clip, &b.clip)
+    };
+    for (state, clip) in names {
+        // The plainer of two names is taken, and a jump by its own name alone.
+        let taken = !["sprint", "jump"].contains(&state);
+        assert_eq!(same(state, clip), taken, "`{state}` and `{clip}`");
+    }
+    assert!(asset.own_clips.iter().all(|own| own.refused.is_none()), "{:?}", asset.own_clips);
+    let plain = character("(own_clips: false)", &renamed(&names));
+    assert!(
+        plain.own_clips.is_empty()
+            && !std::sync::Arc::ptr_eq(
+                &plain.clip("walk").expect("the mannequin's").clip,
+                &plain.clip("Robot_Walking").expect("its own").clip
+            )
+    );
+    let told = character(r#"(clips: {"walk": (clip: "Robot_Walking_B")})"#, &renamed(&names));
+    let speed = told.clip("walk").expect("as the file says").gait.speed;
+    assert!(speed > 5.0, "the file's own words count first: a sprint for a walk goes at {speed} m/s");
+}
+
+#[test]
+fn a_clip_that_is_not_what_its_name_says_is_refused_in_words() {
+    let names = [("walk", "Idle"), ("strafe_left", "Run"), ("wave", "Crouch"), ("idle", "Walk")];
+    let asset = character("()", &renamed(&names));
+    let remarks: Vec<String> = asset.own_clips.iter().map(ToString::to_string).collect();
+    let expected = [
+        "`Crouch` is called like `crouch_idle` but does not end as it begins",
+        "`Idle` is called like `idle` but has feet that go at 1.4 m/s",
+        "`Run` is called like `run` but has feet that don't go that way",
+        "`Walk` is called like `walk` but has feet that don't go that way",
+    ];
+    assert_eq!(remarks, expected);
+    let speed = asset.clip("walk").expect("the mannequin's").gait.speed;
+    assert!((speed - 1.4).abs() < 0.05, "it walks at {speed} m/s");
+}
+
+#[test]
+fn the_controller_is_brought_to_the_bodys_size() {
+    for size in [0.5f32, 1.0, 2.0] {
+        let asset = character("()", &stranger(size, 1.0));
+        let (motion, person) = (&asset.file.motion, CharacterFile::default().motion);
+        let legs = (asset.leg_length / 0.875).sqrt();
+        let legs = if (legs - 1.0).abs() < 0.02 { 1.0 } else { legs };
+        assert!((motion.walk_speed - legs * person.walk_speed).abs() < 0.01, "size {size}: {} m/s", motion.walk_speed);
+        let tall = motion.height / asset.stature;
+        assert!((0.95..1.05).contains(&tall), "size {size}: a capsule {tall} times as tall as the body");
+        let own = character("(fit_motion: false, motion: (walk_speed: 1.1))", &stranger(size, 1.0));
+        assert!((own.file.motion.walk_speed - 1.1).abs() < 1e-6, "as the file says");
+        let walk = asset.clip("walk").expect("the mannequin's").gait.speed;
+        let off = (walk / motion.walk_speed - 1.0).abs();
+        assert!(off < 0.1, "size {size}: it walks at {} m/s with a clip of {walk} m/s", motion.walk_speed);
+    }
+}

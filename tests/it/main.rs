@@ -13,6 +13,7 @@ mod character_states;
 mod clips;
 mod detail;
 mod determinism;
+mod face;
 mod feet;
 mod foreign;
 mod gltf_file;

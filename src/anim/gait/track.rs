@@ -29,6 +29,11 @@ const GAP: f32 = 0.03;
 /// Shares of a loop below which a gap in a stance is noise, and below which a stance is: a swing takes a third of a
 /// stride, a sprinter's stance a quarter.
 const LOOP: (f32, f32) = (0.1, 0.08);
+/// Share of the time that a foot is low and goes the ground's way in which it goes at its speed: with less, the clip is too
+/// fanciful to tell stances by speed.
+const EVEN: f32 = 0.7;
+/// Share of the ground's speed from which on a low foot goes its way.
+const ALONG: f32 = 0.25;
 /// Metres over the model's ground plane above which the lower sole is in the air for good.
 const AIRBORNE: f32 = 0.1;
 
@@ -135,6 +140,13 @@ impl Track {
         if stands.iter().flatten().any(|stands| *stands) {
             passing = self.ground_velocity(|sample, foot, _| stands[foot][sample % self.count()]);
             stands = [0, 1].map(|foot| self.sharpened(foot, ground, passing, &self.stance(foot, ground, passing)));
+            let low = [0, 1].map(|foot| self.low(foot, ground, passing));
+            let time = |stands: &[bool]| stands.iter().filter(|stands| **stands).count() as f32;
+            let fanciful = |foot: usize| time(&stands[foot]) < EVEN * time(&low[foot]);
+            if self.looping && (fanciful(0) || fanciful(1)) {
+                passing = self.mean_velocity(&low);
+                stands = low;
+            }
         }
 
         let mut velocity = self.drift - passing;
@@ -178,6 +190,25 @@ impl Track {
             }
         }
         Vec3::new(median(x).unwrap_or(0.0), 0.0, median(z).unwrap_or(0.0))
+    }
+
+    /// By sample: whether the foot is low over ground at height `ground` and goes the way of `passing`, at whatever speed.
+    fn low(&self, foot: usize, ground: f32, passing: Vec3) -> Vec<bool> {
+        let low = |sample: usize| {
+            let point = self.lowest(sample, foot);
+            let along = self.velocity(sample, foot, point).dot(passing) > ALONG * passing.length_squared();
+            along && self.height(sample, foot, point) < ground + HEIGHT.1 * self.size
+        };
+        self.without_noise((0..self.count()).map(low).collect())
+    }
+
+    /// Horizontal velocity of the ground past the character at which its feet go as far back as in these stances.
+    fn mean_velocity(&self, stands: &[Vec<bool>; 2]) -> Vec3 {
+        let standing = |foot: usize| (0..self.count()).filter(move |&sample| stands[foot][sample]);
+        let of_foot = |foot| standing(foot).map(move |sample| self.velocity(sample, foot, self.lowest(sample, foot)));
+        let velocities: Vec<Vec3> = of_foot(0).chain(of_foot(1)).collect();
+        let sum: Vec3 = velocities.iter().sum();
+        (sum / velocities.len().max(1) as f32).with_y(0.0)
     }
 
     /// By sample: whether the foot stands on ground at height `ground` that moves with `passing`.

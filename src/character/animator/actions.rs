@@ -104,6 +104,16 @@ impl Actions {
         self.playing.iter().filter_map(|playing| asset.action(&playing.name).ok()?.clip(asset))
     }
 
+    /// All that plays, the lowest layer first: the action, seconds into its clip, and how much of it shows.
+    pub(super) fn layers<'a>(
+        &'a self,
+        asset: &'a CharacterAsset,
+    ) -> impl Iterator<Item = (&'a CharacterAction, f32, f32)> {
+        let layer =
+            |playing: &'a Playing| Some((asset.action(&playing.name).ok()?, playing.time, playing.weight.value()));
+        self.playing.iter().filter_map(layer)
+    }
+
     fn is_idle(&self) -> bool {
         self.asked.is_empty() && self.playing.is_empty()
     }
@@ -127,10 +137,9 @@ impl Actions {
     /// Lays all that plays over `pose`. Model matrices are stale afterwards.
     fn apply(&self, asset: &CharacterAsset, pose: &mut [JointTransform], sampled: &mut Vec<JointTransform>) {
         sampled.resize(asset.skeleton.len(), JointTransform::IDENTITY);
-        for playing in &self.playing {
-            let Ok(action) = asset.action(&playing.name) else { continue };
-            let (Some(clip), weight) = (action.clip(asset), playing.weight.value()) else { continue };
-            clip.clip.sample(&asset.skeleton, playing.time, sampled);
+        for (action, time, weight) in self.layers(asset) {
+            let Some(clip) = action.clip(asset) else { continue };
+            clip.clip.sample(&asset.skeleton, time, sampled);
             match &action.reference {
                 Some(reference) => action.mask.add(pose, sampled, reference, weight),
                 None => action.mask.blend(pose, sampled, weight),

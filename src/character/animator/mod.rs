@@ -5,11 +5,13 @@
 mod actions;
 mod balance;
 mod feet;
+mod morphs;
 
 use bevy::{prelude::*, utils::Parallel};
 
 pub use actions::Actions;
 pub use balance::{Balance, wanted_lean, wanted_stoop};
+pub use morphs::{MorphScratch, morph_weights};
 
 use super::{Character, bind::CharacterAssets, detail::Pacing, locomotion::Locomotion, schedule::PoseSystems};
 use feet::BlendedFeet;

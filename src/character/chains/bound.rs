@@ -44,6 +44,10 @@ pub(super) struct Bound {
     pub effector: Vec3,
     /// Where the tip looks, in its space.
     pub forward: Vec3,
+    /// What of the tip faces, in its space.
+    pub side: Vec3,
+    /// Rotation of the tip against its parent, where it is turned.
+    pub tip: Option<Quat>,
     /// The joint that a limb bends at, as an index of `joints`.
     pub middle: usize,
     pub room: Workspace,
@@ -91,11 +95,14 @@ impl Bound {
             _ => turning / 2,
         };
         let tip_from_model = rest.model(tip).inverse();
+        let side = chain.facing.map_or(Vec3::ZERO, |facing| facing.side);
         let forward = if let Solver::Aim { forward } = chain.solver { forward } else { Vec3::NEG_Z };
         Ok(Self {
             shares: joints.iter().map(|joint| joint.give).collect(),
             effector: tip_from_model.transform_vector3(chain.effector),
             forward: direction_or(tip_from_model.transform_vector3(forward), Vec3::NEG_Z),
+            side: direction_or(tip_from_model.transform_vector3(side), Vec3::ZERO),
+            tip: None,
             middle,
             room: Workspace::for_joints(joints.len()),
             skeleton: Arc::clone(skeleton),

@@ -5,11 +5,13 @@
 
 mod arm;
 mod bound;
+mod facing;
 mod limits;
 mod state;
 
 use bevy::prelude::*;
 
+pub use facing::TipFacing;
 pub use limits::{ChainJointSetup, RestLimit};
 pub use state::{IkResult, IkState};
 
@@ -26,7 +28,7 @@ pub struct IkChain {
     pub solver: Solver,
     /// The first joint that turns.
     pub root: JointRef,
-    /// The joint at its end, below `root`. Only [`Solver::Aim`] turns it.
+    /// The joint at its end, below `root`. Only [`Solver::Aim`] and `facing` turn it.
     pub tip: JointRef,
     /// What of the tip comes to the target: metres from its joint, in model space, when the character is in its rest
     /// pose. Default zero: the joint itself.
@@ -39,6 +41,8 @@ pub struct IkChain {
     pub half_life: f32,
     /// Where its middle points. Default `None`: where it does anyway.
     pub pole: Option<Pole>,
+    /// How its tip is turned. Default `None`: as it is animated.
+    pub facing: Option<TipFacing>,
     /// Metres from the target that count as reached. Default 0.0005.
     pub tolerance: f32,
     /// Most steps from one start; more reach what is hard to reach. Default 32.
@@ -62,7 +66,8 @@ pub enum Solver {
     },
     /// In all joints, by cyclic coordinate descent: the animated pose changes little; best with hinges.
     Ccd,
-    /// In all joints, by forward and backward reaching: round bends, best for chains of many balls.
+    /// In all joints, by forward and backward reaching: round bends, best for chains of many balls. With hinges the way it
+    /// bends may jump as a target moves; [`Solver::Ccd`] follows smoothly there.
     Fabrik,
     /// Not to the target, but at it: all joints turn until the tip's line of sight meets it.
     Aim {
@@ -115,6 +120,7 @@ impl IkChain {
             weight: 1.0,
             half_life: 0.1,
             pole: None,
+            facing: None,
             tolerance: 5e-4,
             iterations: 32,
             retries: 0,

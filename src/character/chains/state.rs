@@ -11,6 +11,7 @@ use bevy::{
 use super::{
     IkChain, IkTarget, Pole, Solver,
     bound::{Bound, ChainError},
+    facing::PASSES,
 };
 use crate::{
     anim::{
@@ -23,7 +24,7 @@ use crate::{
             swivel,
         },
         pose::Pose,
-        skeleton::{JointIndex, Skeleton},
+        skeleton::{JointIndex, JointTransform, Skeleton},
     },
     math::spring::Spring,
     rig::character::CharacterAsset,
@@ -117,7 +118,7 @@ impl IkState {
         }
         let Some(target) = self.follow(chain, target, dt) else { return IkResult::default() };
         let Some(bound) = &mut self.bound else { return IkResult::default() };
-        let missed = bound.solve(chain, &world_from_model, target, pose);
+        let missed = bound.reach(chain, &world_from_model, target, pose);
         bound.show(pose, weight);
         IkResult { weight, missed, reached: missed <= chain.tolerance }
     }
@@ -141,10 +142,28 @@ impl IkState {
 
 /// Whether both name the same joints and set them up alike.
 fn same_joints(a: &IkChain, b: &IkChain) -> bool {
-    (&a.root, &a.tip, a.effector, &a.joints, &a.solver) == (&b.root, &b.tip, b.effector, &b.joints, &b.solver)
+    let side = |chain: &IkChain| chain.facing.map(|facing| facing.side);
+    (&a.root, &a.tip, a.effector, &a.joints, &a.solver, side(a))
+        == (&b.root, &b.tip, b.effector, &b.joints, &b.solver, side(b))
 }
 
 impl Bound {
+    /// [`solve`](Self::solve), with the tip turned as the chain says.
+    fn reach(&mut self, chain: &IkChain, world_from_model: &Affine3A, target: Vec3, pose: &Pose) -> f32 {
+        self.tip = None;
+        let mut missed = self.solve(chain, world_from_model, target, pose);
+        let (Some(facing), Some(&tip)) = (chain.facing, self.path.get(self.joints.len())) else { return missed };
+        let root = self.path[0];
+        let above = self.skeleton.parent(root);
+        let model_from_chain = above.map_or(self.skeleton.model_from_root, |above| pose.model(above));
+        let chain_from_world = (*world_from_model * model_from_chain).inverse();
+        for _ in 0..PASSES {
+            self.tip = Some(self.faced(&facing, &chain_from_world, pose.local(tip).rotation));
+            missed = self.solve(chain, world_from_model, target, pose);
+        }
+        missed
+    }
+
     /// Turns its own copy of the joints; returns by how many metres they miss. Infinite in a space that is squashed flat.
     fn solve(&mut self, chain: &IkChain, world_from_model: &Affine3A, target: Vec3, pose: &Pose) -> f32 {
         let skeleton = &self.skeleton;
@@ -160,7 +179,11 @@ impl Bound {
         let goal = Goal {
             target: place,
             effector: match self.path.get(self.joints.len()) {
-                Some(tip) => pose.local(*tip).to_affine().transform_point3(self.effector),
+                Some(tip) => {
+                    let local = pose.local(*tip);
+                    let turned = JointTransform { rotation: self.tip.unwrap_or(local.rotation), ..local };
+                    turned.to_affine().transform_point3(self.effector)
+                }
                 None => self.effector,
             },
             tolerance: 0.5 * chain.tolerance / scale,
@@ -207,10 +230,10 @@ impl Bound {
 
     /// Puts the joints' turns into the pose, as far as they show.
     fn show(&self, pose: &mut Pose, weight: f32) {
-        for (joint, index) in self.joints.iter().zip(&self.path) {
+        let rotations = self.joints.iter().map(|joint| joint.local.rotation).chain(self.tip);
+        for (rotation, index) in rotations.zip(&self.path) {
             let mut local = pose.local(*index);
-            local.rotation =
-                if weight < 1.0 { local.rotation.slerp(joint.local.rotation, weight) } else { joint.local.rotation };
+            local.rotation = if weight < 1.0 { local.rotation.slerp(rotation, weight) } else { rotation };
             if local.rotation.is_finite() {
                 pose.set_local(*index, local);
             }

@@ -24,7 +24,7 @@ use crate::{
             weights::{self, ShowWeights},
         },
     },
-    rig::{Rig, loader::RigPlugin},
+    rig::{Rig, loader::RigPlugin, tuning::motion::MotionConfig},
     skinning::SkinningPlugin,
 };
 
@@ -268,7 +268,11 @@ fn film_walk(
     subject.enter(&mut app, Part::Walker);
     engine::finish(&mut app);
     load(&mut app)?;
-    let ticks = (options.seconds * TICKS_PER_SECOND as f32 / OF_THE_WALK as f32).round().max(1.0) as u32;
+    let pace = subject.walker.as_ref().map_or(1.0, |walker| {
+        // Who goes slower than the walk is meant for gets longer for it.
+        MotionConfig::default().walk_speed / walker.file.motion.walk_speed
+    });
+    let ticks = (options.seconds * pace * TICKS_PER_SECOND as f32 / OF_THE_WALK as f32).round().max(1.0) as u32;
     for picture in 1..=OF_THE_WALK {
         let seconds = picture as f32 * ticks as f32 / TICKS_PER_SECOND as f32;
         roll.expose(&mut app, ticks, |world| walk::caption(world, seconds));

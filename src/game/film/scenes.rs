@@ -16,8 +16,6 @@ pub struct Scene {
     pub height: f32,
     /// What is wanted, each from its second on.
     pub cues: Vec<(f32, MoveIntent)>,
-    /// A trigger of the state machine, pulled after the first picture.
-    pub trigger: Option<&'static str>,
     /// An action, begun after the first picture.
     pub action: Option<&'static str>,
     /// Second of the first picture.
@@ -28,7 +26,7 @@ pub struct Scene {
 
 impl Scene {
     fn new(name: &'static str, from: f32, span: f32, cues: &[(f32, MoveIntent)]) -> Self {
-        Self { name, height: 0.0, cues: cues.to_vec(), trigger: None, action: None, from, span }
+        Self { name, height: 0.0, cues: cues.to_vec(), action: None, from, span }
     }
 
     /// A gait that has settled, filmed for `span` seconds.
@@ -103,7 +101,7 @@ pub fn all() -> Vec<Scene> {
         from_rest("turn_left", 0.5, 0.9, face(90.0)),
         from_rest("turn_right", 0.5, 0.9, face(-90.0)),
         from_rest("turn_about", 0.5, 1.4, face(170.0)),
-        Scene { trigger: Some("wave"), ..Scene::new("wave", 0.5, 3.0, &[]) },
+        Scene { action: Some("wave"), ..Scene::new("wave", 0.5, 3.0, &[]) },
         Scene { action: Some("wave"), ..Scene::new("wave_walking", 2.5, 3.0, &[(0.0, go(1.4))]) },
         Scene::new(
             "aim",

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     SurefootPlugins,
-    character::{Character, animator::Actions, intent::MoveIntent, locomotion::Locomotion, schedule::MotionSystems},
+    character::{Character, animator::Actions, intent::MoveIntent, schedule::MotionSystems},
     game::{
         cli::Options,
         engine::{self, TICKS_PER_SECOND},
@@ -81,11 +81,8 @@ fn studio(size: UVec2, assets: &Path, scene: Scene) -> App {
     app
 }
 
-/// Pulls the scene's trigger and begins its action.
+/// Begins the scene's action.
 fn begin(scene: &Scene, world: &mut World, actor: Entity) {
-    if let (Some(trigger), Some(mut locomotion)) = (scene.trigger, world.get_mut::<Locomotion>(actor)) {
-        locomotion.trigger(trigger);
-    }
     if let (Some(action), Some(mut actions)) = (scene.action, world.get_mut::<Actions>(actor)) {
         actions.play(action);
     }

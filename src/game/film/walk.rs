@@ -12,6 +12,7 @@ use crate::{
     character::{intent::MoveIntent, locomotion::Locomotion, motion::MotionState, schedule::MotionSystems},
     game::level::Hero,
     measure::record::{MeasurePlugin, Recorder},
+    rig::tuning::motion::MotionConfig,
     terrain::{Heightfield, SkyView, course},
 };
 
@@ -41,10 +42,12 @@ fn begin(
     commands.spawn((SkyView, canvas.target(), Operator::default()));
 }
 
-fn lead(mut heroes: Query<(&Transform, &mut OnRoute, &mut MoveIntent)>, time: Res<Time>) {
-    for (root, mut route, mut intent) in &mut heroes {
+fn lead(mut heroes: Query<(&Transform, &MotionConfig, &mut OnRoute, &mut MoveIntent)>, time: Res<Time>) {
+    for (root, config, mut route, mut intent) in &mut heroes {
         let heading = if time.elapsed_secs() < PAUSE { None } else { route.0.heading(root.translation) };
-        intent.velocity = heading.map_or(Vec3::ZERO, |heading| heading.direction * heading.speed);
+        // Short legs take longer.
+        let pace = config.walk_speed / MotionConfig::default().walk_speed;
+        intent.velocity = heading.map_or(Vec3::ZERO, |heading| heading.direction * (heading.speed * pace));
     }
 }
 

@@ -67,6 +67,9 @@ fn pose(
         if playback.show == Show::Own && viewed.walks {
             if pose.is_some() {
                 commands.entity(hero).remove::<SkinPose>();
+                if let Some(mut morphs) = morphs {
+                    morphs.release_all();
+                }
             }
             continue;
         }

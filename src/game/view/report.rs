@@ -21,6 +21,9 @@ pub(super) fn of(subject: &Subject) -> String {
         line(&mut text, &clip_line(clip));
     }
     line(&mut text, binding.to_string().trim_end());
+    for own in walker.iter().flat_map(|walker| &walker.own_clips) {
+        line(&mut text, &own.to_string());
+    }
     line(
         &mut text,
         &match walker {

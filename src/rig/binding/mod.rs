@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 
 use bevy::math::Vec3;
 
+pub(super) use report::stature;
 pub use report::{BindingReport, BodyReport, LegReport, RoleReport};
 
 use self::{

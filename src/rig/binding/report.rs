@@ -25,8 +25,6 @@ pub struct BindingReport {
     pub body: Option<BodyReport>,
     /// What was mended or is odd, one sentence each.
     pub notes: Vec<String>,
-    /// Names of the rig's own clips.
-    pub clips: Vec<String>,
 }
 
 /// A role and the joint that plays it.
@@ -106,8 +104,7 @@ impl BindingReport {
                 (None, Some(body))
             }
         };
-        let clips = rig.clips.iter().map(|clip| clip.name.clone()).collect();
-        Self { roles: Role::ALL.into_iter().map(role).collect(), problem, body, notes, clips }
+        Self { roles: Role::ALL.into_iter().map(role).collect(), problem, body, notes }
     }
 
     /// Whether the body can walk.
@@ -139,7 +136,8 @@ fn leg_report(leg: &Leg, skeleton: &Skeleton) -> LegReport {
     }
 }
 
-fn stature(rig: &Rig, skeleton: &Skeleton) -> f32 {
+/// Height of the highest vertex or joint at rest over the ground, metres, by a skeleton of `rig` in model space.
+pub(in super::super) fn stature(rig: &Rig, skeleton: &Skeleton) -> f32 {
     let rest = Pose::rest(skeleton);
     let top = |(joint, vertices): (usize, &Vec<Vec3>)| {
         let model_from_joint = rest.models()[joint];
@@ -174,11 +172,6 @@ impl Display for BindingReport {
         }
         for note in &self.notes {
             writeln!(f, "Note: {note}.")?;
-        }
-        if self.clips.is_empty() {
-            writeln!(f, "It has no clips of its own.")?;
-        } else {
-            writeln!(f, "Its own clips: {}.", self.clips.join(", "))?;
         }
         let why = if self.is_bound() { "To change a part" } else { "Name the parts" };
         writeln!(f, "{why}, in its .character.ron:\n{}", self.ron())

@@ -145,7 +145,7 @@ pub enum Condition {
     Crouched,
     /// Not crouching.
     Upright,
-    /// `Animator::trigger` was called with this name.
+    /// `Locomotion::trigger` was called with this name.
     Trigger(String),
     /// All of these.
     All(#[reflect(ignore)] Vec<Condition>),

@@ -11,6 +11,11 @@ pub struct LookConfig {
     pub enabled: bool,
     /// Half-life in which the gaze arrives, seconds. Default 0.09.
     pub half_life: f32,
+    /// Fastest that the gaze turns, degrees per second in RON. Default 600°.
+    ///
+    /// Small: the head comes late. Large: it snaps round to what comes into sight.
+    #[serde(with = "super::degrees")]
+    pub fastest: f32,
     /// Seconds by which the gaze runs ahead of a turn of the body. Default 0.25.
     ///
     /// 0: the head turns with the chest. Large: it looks over its shoulder in every curve.
@@ -36,6 +41,7 @@ impl Default for LookConfig {
         Self {
             enabled: true,
             half_life: 0.09,
+            fastest: 600f32.to_radians(),
             ahead: 0.25,
             side_limit: 60f32.to_radians(),
             up_limit: 30f32.to_radians(),

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 /// How the controller moves a character.
 ///
-/// Lengths are for a person of 1.8 m; [`scaled`](Self::scaled) gives those of a smaller or larger one.
+/// It is meant for a person of 1.8 m; [`fitted`](Self::fitted) gives that of a smaller or larger one, and a character's file
+/// is fitted to its body by itself.
 #[derive(Component, Reflect, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[reflect(Component)]
 #[serde(default, deny_unknown_fields)]
@@ -205,32 +206,57 @@ impl MotionConfig {
         ]
     }
 
-    /// The same config for a body `scale` times as tall: lengths and speeds scale, times and angles stay.
+    /// The same config for another body: lengths go with its stature, speeds with the root of its legs' length, so that
+    /// bodies alike but for size move alike (Alexander 1989); times, angles and accelerations stay.
     #[must_use]
-    pub fn scaled(&self, scale: f32) -> Self {
-        let of = |length: f32| length * scale;
+    pub fn fitted(&self, size: BodySize) -> Self {
+        let BodySize { stature, legs } = size.rounded();
+        // Physics can't hold forces of giants taller than that.
+        let (pace, mass) = (legs.sqrt(), (stature * stature * stature).min(1000.0));
         Self {
-            walk_speed: of(self.walk_speed),
-            run_speed: of(self.run_speed),
-            sprint_speed: of(self.sprint_speed),
-            crouch_speed: of(self.crouch_speed),
-            strafe_speed: of(self.strafe_speed),
-            acceleration: of(self.acceleration),
-            braking: of(self.braking),
-            reversal: of(self.reversal),
-            air_acceleration: of(self.air_acceleration),
-            radius: of(self.radius),
-            height: of(self.height),
-            crouch_height: of(self.crouch_height),
-            step_up: of(self.step_up),
-            step_down: of(self.step_down),
-            jump_height: of(self.jump_height),
-            jump_tap_height: of(self.jump_tap_height),
-            jump_corner: of(self.jump_corner),
-            mass: self.mass * scale * scale * scale,
-            push_force: self.push_force * scale * scale * scale,
+            walk_speed: self.walk_speed * pace,
+            run_speed: self.run_speed * pace,
+            sprint_speed: self.sprint_speed * pace,
+            crouch_speed: self.crouch_speed * pace,
+            strafe_speed: self.strafe_speed * pace,
+            radius: self.radius * stature,
+            height: self.height * stature,
+            crouch_height: self.crouch_height * stature,
+            step_up: self.step_up * stature,
+            step_down: self.step_down * stature,
+            jump_height: self.jump_height * stature,
+            jump_tap_height: self.jump_tap_height * stature,
+            jump_corner: self.jump_corner * stature,
+            mass: self.mass * mass,
+            push_force: self.push_force * mass,
             ..self.clone()
         }
+    }
+}
+
+/// Stature in metres that the defaults are meant for.
+pub const TUNED_STATURE: f32 = 1.8;
+
+/// A body's size against that of the person of 1.8 m whom the defaults are meant for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodySize {
+    /// Height, as a factor.
+    pub stature: f32,
+    /// Length of the legs, as a factor.
+    pub legs: f32,
+}
+
+/// Factors that are nearer to 1 than this are 1.
+const ALIKE: f32 = 0.03;
+
+impl BodySize {
+    /// Positive, and 1 where it is about 1.
+    fn rounded(self) -> Self {
+        let factor = |factor: f32| {
+            let sound = if factor.is_finite() { factor.clamp(0.02, 50.0) } else { 1.0 };
+            if (sound - 1.0).abs() < ALIKE { 1.0 } else { sound }
+        };
+        Self { stature: factor(self.stature), legs: factor(self.legs) }
     }
 }
 
@@ -246,8 +272,21 @@ mod tests {
     #[test]
     fn the_default_is_valid() {
         assert_eq!(MotionConfig::default().problem(), None);
-        assert_eq!(MotionConfig::default().scaled(0.5).problem(), None);
-        assert_eq!(MotionConfig::default().scaled(1.7).problem(), None);
+        for factor in [0.1, 0.5, 1.7, 20.0] {
+            let size = BodySize { stature: factor, legs: factor };
+            assert_eq!(MotionConfig::default().fitted(size).problem(), None, "{factor} times as tall");
+        }
+    }
+
+    #[test]
+    fn short_legs_go_slower_and_small_bodies_are_small() {
+        let fitted = MotionConfig::default().fitted(BodySize { stature: 0.5, legs: 0.25 });
+        assert!((fitted.walk_speed - 0.7).abs() < 1e-6 && (fitted.sprint_speed - 3.0).abs() < 1e-6, "{fitted:?}");
+        assert!((fitted.height - 0.9).abs() < 1e-6 && (fitted.step_up - 0.175).abs() < 1e-6, "{fitted:?}");
+        let alike = BodySize { stature: 1.01, legs: 0.99 };
+        assert_eq!(MotionConfig::default().fitted(alike), MotionConfig::default());
+        let broken = BodySize { stature: f32::NAN, legs: 0.0 };
+        assert_eq!(MotionConfig::default().fitted(broken).problem(), None, "of a body without size");
     }
 
     #[test]

@@ -279,6 +279,7 @@ impl LookConfig {
     /// With the first value out of range.
     pub fn check(&self, ranges: &Ranges) -> Result<(), RangeError> {
         ranges.within("half_life", self.half_life, 0.0..=5.0, " s")?;
+        ranges.degrees("fastest", self.fastest, 1.0..=3600.0)?;
         ranges.within("ahead", self.ahead, 0.0..=5.0, " s")?;
         for (field, value) in [("slope", self.slope), ("level", self.level), ("chest", self.chest), ("neck", self.neck)]
         {

@@ -5,13 +5,13 @@
 use super::locomotion::{
     Condition::{
         self, AirborneFor, All, Crouched, FacingFree, FacingLocked, FallingFaster, Finished, Grounded, InStateFor,
-        Jumped, LandedFaster, SpeedAbove, SpeedBelow, Trigger, TurnBelow, TurnLeftAbove, TurnRightAbove, Upright,
+        Jumped, LandedFaster, SpeedAbove, SpeedBelow, TurnBelow, TurnLeftAbove, TurnRightAbove, Upright,
     },
     Pace, StateConfig, TransitionBlend, TransitionConfig,
 };
 
 /// On the spot.
-const STILL: &[&str] = &["idle", "turn_left", "turn_right", "wave"];
+const STILL: &[&str] = &["idle", "turn_left", "turn_right"];
 /// Upright and on the way.
 const GOING: &[&str] = &["walk", "run", "sprint", "strafe"];
 const CROUCHED: &[&str] = &["crouch_idle", "crouch_walk", "crouch_strafe"];
@@ -61,7 +61,6 @@ pub fn states() -> Vec<StateConfig> {
         clock("land_hard"),
         turn("turn_left", 90.0),
         turn("turn_right", -90.0),
-        clock("wave"),
     ]
 }
 
@@ -178,7 +177,5 @@ fn standing() -> Vec<TransitionConfig> {
         change(&[&["idle", "turn_right"]], "turn_left", turn(TurnLeftAbove(35f32.to_radians())), 0.15),
         change(&[&["idle", "turn_left"]], "turn_right", turn(TurnRightAbove(35f32.to_radians())), 0.15),
         change(&[&["turn_left", "turn_right"]], "idle", TurnBelow(4f32.to_radians()), 0.25),
-        change(&[&["idle"]], "wave", Trigger("wave".into()), 0.25),
-        change(&[&["wave"]], "idle", Finished, 0.25),
     ]
 }

@@ -194,16 +194,6 @@ fn head_top(stage: &Stage, walker: Entity) -> f32 {
 }
 
 #[test]
-fn a_wave_is_a_trigger_away() {
-    let (mut stage, walker) = walker_on(&World::flat());
-    stage.app().world_mut().get_mut::<Locomotion>(walker).expect("bound").trigger("wave");
-    stage.run_for(0.5);
-    assert_eq!(state(&stage, walker), "wave");
-    stage.run_for(4.0);
-    assert_eq!(state(&stage, walker), "idle", "when it is over");
-}
-
-#[test]
 fn a_changed_file_is_taken_over_in_mid_run() {
     let (mut stage, walker) = walker_on(&World::flat());
     stage.walk(walker, Vec3::NEG_Z * 3.5).run_for(1.5);

@@ -4,7 +4,7 @@ use core::f32::consts::PI;
 use std::time::{Duration, Instant};
 
 use avian3d::prelude::{Collider, PhysicsPlugins, RigidBody};
-use bevy::prelude::*;
+use bevy::{mesh::morph::MeshMorphWeights, prelude::*};
 use surefoot::{
     SurefootPlugins,
     anim::pose::Pose,
@@ -122,8 +122,8 @@ fn wait_for_model(studio: &mut Studio, character: Entity) {
     }
 }
 
-#[test]
-fn a_character_gets_its_skin_and_walks_in_it() {
+/// A studio with a character that stands in its skin.
+fn character() -> (Studio, Entity) {
     let mut studio = Studio::with((PhysicsPlugins::default(), SurefootPlugins));
     floor(&mut studio);
     let collider = Collider::cuboid(40.0, 1.0, 40.0);
@@ -132,6 +132,33 @@ fn a_character_gets_its_skin_and_walks_in_it() {
     let place = Transform::from_xyz(1.0, 0.0, 0.0).with_rotation(Quat::from_rotation_y(1.2));
     let character = studio.world().spawn((Character(file), place)).id();
     wait_for_model(&mut studio, character);
+    (studio, character)
+}
+
+#[test]
+fn a_character_that_stands_breathes_and_blinks_in_its_skin() {
+    let (mut studio, character) = character();
+    let mut most = [0.0f32; 2];
+    let mut shown = 0.0f32;
+    for _ in 0..240 {
+        studio.step();
+        let morphs = studio.world().get::<Morphs>(character).expect("the mannequin has morph targets");
+        let now = ["blink", "breath"].map(|name| morphs.weight(name).expect("it has it"));
+        most = [most[0].max(now[0]), most[1].max(now[1])];
+        let mut drawn = studio.world().query::<&MeshMorphWeights>();
+        let weights = drawn.iter(studio.app.world()).filter_map(|drawn| match drawn {
+            MeshMorphWeights::Value { weights } => weights.get(1),
+            MeshMorphWeights::Reference(_) => None,
+        });
+        shown = weights.copied().fold(shown, f32::max);
+    }
+    assert!(most[0] > 0.8, "in four seconds the lids close by {}", most[0]);
+    assert!(most[1] > 0.9 && shown > 0.9, "it breathes in by {}, its meshes by {shown}", most[1]);
+}
+
+#[test]
+fn a_character_gets_its_skin_and_walks_in_it() {
+    let (mut studio, character) = character();
     studio.look(Vec3::new(0.0, 1.3, 3.2), Vec3::new(0.0, 0.9, 0.0));
     let standing = studio.picture();
     standing.save("character_stands");

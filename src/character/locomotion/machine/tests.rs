@@ -3,6 +3,7 @@ use bevy::math::Vec2;
 use core::f32::consts::{FRAC_PI_2, PI};
 
 use super::*;
+use crate::rig::character_file::CharacterFile;
 
 const fn once(duration: f32) -> ClipFacts {
     ClipFacts { duration, looping: false, stride: 0.0, heading: 0.0 }
@@ -118,10 +119,18 @@ fn a_clip_without_length_is_no_danger() {
 
 #[test]
 fn triggers_and_finished_clips_lead_on() {
-    let mut machine = machine();
-    let pulled = ["wave".to_owned()];
+    let text = r#"(locomotion: (
+        states: [(name: "idle", clip: "idle"), (name: "greet", clip: "wave")],
+        transitions: [
+            (from: ["idle"], to: "greet", when: Trigger("hello")),
+            (from: ["greet"], to: "idle", when: Finished),
+        ],
+    ))"#;
+    let config = CharacterFile::parse(text).expect("the text is good").locomotion;
+    let mut machine = Machine::new(&config, facts);
+    let pulled = ["hello".to_owned()];
     machine.advance(&Facts { triggers: &pulled, ..ahead(0.0) }, 1.0 / 60.0);
-    assert_eq!(state(&machine), "wave");
+    assert_eq!(state(&machine), "greet");
     run_for(&mut machine, 0.0, 0.7);
     assert_eq!(state(&machine), "idle");
 }
