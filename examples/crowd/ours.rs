@@ -61,7 +61,7 @@ pub(crate) fn poses(app: &mut App) {
 #[derive(Resource)]
 enum Pattern {
     Waiting(Handle<CharacterAsset>),
-    Ready { species: Species, durations: [f32; 2] },
+    Ready { species: Box<Species>, durations: [f32; 2] },
 }
 
 /// The clips that one plays.
@@ -90,7 +90,7 @@ fn spawn_puppets(
         let play = |clip: usize| Play { clip, time: walker.phase() * durations[clip], weight: CLIPS[clip].1 };
         commands.spawn((model.clone(), walker, Puppet([play(0), play(1)])));
     }
-    *pattern = Pattern::Ready { species, durations };
+    *pattern = Pattern::Ready { species: Box::new(species), durations };
 }
 
 fn species(asset: &CharacterAsset) -> Option<Species> {
