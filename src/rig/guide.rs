@@ -140,7 +140,7 @@
 //!         // Or none by name at all: own_clips: false,
 //!         // Figures as they stand, whatever the body's size.
 //!         fit_motion: false,
-//!         motion: (walk_speed: 1.1, height: 1.3),
+//!         motion: (walk_speed: 1.1, height: 1.3, crouch_height: 1.0),
 //!     )"#,
 //! )?;
 //! assert!(file.own_clips && !file.fit_motion);

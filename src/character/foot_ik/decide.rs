@@ -34,6 +34,8 @@ const THERE: f32 = 0.08;
 const MISSES: f32 = 0.02;
 /// Metres by which a leg may be behind its foot's place when the foot comes to stand there: it would slide the rest.
 const BEHIND: f32 = 0.01;
+/// The same for a foot that stands already: from there on it steps.
+const SLIDES: f32 = 0.03;
 /// Share of its time in the air from which on a foot counts as landed when its clip stands.
 const NEARLY: f32 = 0.85;
 /// Metres of a step from which on it is lifted by the whole step height.
@@ -62,7 +64,7 @@ impl FootState {
                 let config = around.config;
                 // A gait lifts the foot soon by itself.
                 let patience = if around.may_restep { 1.0 } else { PATIENCE };
-                if self.missed > MISSES {
+                if self.missed > MISSES || self.behind > SLIDES {
                     self.begin_step(Release::TooFar, foot, around);
                 } else if foot.contact < 0.9 || !around.other_holds {
                     // Half lifted already, or the only foot on the ground.

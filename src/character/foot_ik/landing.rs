@@ -3,7 +3,7 @@
 //! World space, metres, +Y up. Probes only when the place has moved; a decision stays from frame to frame, and is not
 //! changed any more shortly before contact.
 
-use bevy::prelude::*;
+use bevy::{math::ops, prelude::*};
 
 use super::{
     flight::ease,
@@ -19,6 +19,8 @@ const SETTLED: f32 = 0.1;
 const SETTLES: f32 = 0.1;
 /// Metres that it may stay behind where the clip would land by then: a body that turns back would leave it out of reach.
 const STAYS: f32 = 0.3;
+/// Share of that from which on it stays less and less, so that it never starts at once.
+const YIELDS: f32 = 0.7;
 /// Metres that a place may move before its ground is probed again.
 const MOVED: f32 = 0.01;
 /// Half-life in seconds over which a landing follows what is found; shorter when little time is left.
@@ -107,11 +109,10 @@ impl Landing {
         let moved = if first { Vec3::ZERO } else { clip - self.clip };
         self.clip = clip;
         self.behind -= moved * (1.0 - follows);
-        self.behind = self.behind.clamp_length_max(STAYS);
         if follows >= 1.0 {
             self.behind *= remaining(FOLLOW, dt);
         }
-        clip + self.behind
+        clip + short_of(self.behind, STAYS)
     }
 
     /// How far, 0..1, the place is a step down from ground at `takeoff`, rather than further down one slope.
@@ -152,6 +153,15 @@ impl Landing {
     }
 }
 
+/// `way` as long as it is well below `most`, and less and less of it beyond, so that it is never longer than that.
+fn short_of(way: Vec3, most: f32) -> Vec3 {
+    let (length, whole) = (way.length(), YIELDS * most);
+    if length <= whole {
+        return way;
+    }
+    way * ((whole + (most - whole) * ops::tanh((length - whole) / (most - whole))) / length)
+}
+
 /// The footprint at `ball`, on the ground.
 pub(super) fn print_at<P: Probe, G: GroundFrames>(
     ball: Vec3,
@@ -159,4 +169,20 @@ pub(super) fn print_at<P: Probe, G: GroundFrames>(
     around: &Surroundings<'_, P, G>,
 ) -> Option<Footprint> {
     footprint(around.probe, around.reach, ball, forward, around.sole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_landing_yields_smoothly_and_never_stays_too_far_behind() {
+        let lengths: Vec<f32> = (0..200).map(|cm| short_of(Vec3::X * (cm as f32 * 0.01), STAYS).x).collect();
+        assert!((lengths[15] - 0.15).abs() < 1e-6, "{} m of 0.15 are stayed behind", lengths[15]);
+        assert!(lengths.iter().all(|length| *length <= STAYS), "stays {} m behind", lengths[199]);
+        for three in lengths.windows(3) {
+            let kink = (three[2] - 2.0 * three[1] + three[0]).abs();
+            assert!(kink < 1e-3, "kinks by {kink} m in 1 cm at {} m", three[1]);
+        }
+    }
 }
