@@ -179,7 +179,7 @@ mod tests {
     fn a_landing_yields_smoothly_and_never_stays_too_far_behind() {
         let lengths: Vec<f32> = (0..200).map(|cm| short_of(Vec3::X * (cm as f32 * 0.01), STAYS).x).collect();
         assert!((lengths[15] - 0.15).abs() < 1e-6, "{} m of 0.15 are stayed behind", lengths[15]);
-        assert!(lengths.iter().all(|length| *length <= STAYS), "stays {} m behind", lengths[199]);
+        assert!(lengths.iter().all(|length| *length < STAYS + 1e-6), "stays {} m behind", lengths[199]);
         for three in lengths.windows(3) {
             let kink = (three[2] - 2.0 * three[1] + three[0]).abs();
             assert!(kink < 1e-3, "kinks by {kink} m in 1 cm at {} m", three[1]);
