@@ -9,7 +9,10 @@ mod mannequins;
 use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
-use surefoot::character::{locomotion::Locomotion, schedule::PoseSystems};
+use surefoot::{
+    character::{locomotion::Locomotion, schedule::PoseSystems},
+    testing::laps::lap_stages,
+};
 
 use mannequins::Mannequins;
 
@@ -17,14 +20,14 @@ use mannequins::Mannequins;
 #[derive(Resource, Default)]
 struct Watch {
     last: Option<Instant>,
-    laps: [Vec<Duration>; STAGES.len()],
+    laps: [Vec<Duration>; STAGES],
 }
 
-/// What is timed, in order.
-const STAGES: [&str; 6] = ["locomote", "sample", "plant", "look", "model", "palette"];
+/// Stages of a frame's poses.
+const STAGES: usize = PoseSystems::ALL.len();
 
 fn main() {
-    let titles: String = STAGES.iter().map(|stage| format!("{stage:>10}")).collect();
+    let titles: String = PoseSystems::ALL.iter().map(|stage| format!("{:>10}", format!("{stage:?}"))).collect();
     println!("{:>10} {:>10} {:>10} {:>13} |{titles} ms", "characters", "frame ms", "poses ms", "µs/character");
     let asked: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
     for count in if asked.is_empty() { vec![1, 100, 1_000] } else { asked } {
@@ -38,7 +41,7 @@ fn main() {
 }
 
 /// Median of a whole frame and of each of its pose stages.
-fn measure(count: usize) -> (Duration, [Duration; STAGES.len()]) {
+fn measure(count: usize) -> (Duration, [Duration; STAGES]) {
     let mut crowd = Mannequins::new(count, watch);
     let heard = |locomotion: &Locomotion| {
         (0..locomotion.machine.len()).filter(|state| locomotion.machine.weight(*state) > 0.0).count()
@@ -61,28 +64,17 @@ fn measure(count: usize) -> (Duration, [Duration; STAGES.len()]) {
 }
 
 fn watch(app: &mut App) {
-    app.init_resource::<Watch>().add_systems(
-        PostUpdate,
-        (
-            start.before(PoseSystems::Locomote),
-            lap::<0>.after(PoseSystems::Locomote).before(PoseSystems::Sample),
-            lap::<1>.after(PoseSystems::Sample).before(PoseSystems::Plant),
-            lap::<2>.after(PoseSystems::Plant).before(PoseSystems::Look),
-            lap::<3>.after(PoseSystems::Look).before(PoseSystems::Model),
-            lap::<4>.after(PoseSystems::Model).before(PoseSystems::Reach),
-            lap::<5>.after(PoseSystems::Palette).before(TransformSystems::Propagate),
-        ),
-    );
+    app.init_resource::<Watch>();
+    let start = |mut watch: ResMut<Watch>| watch.last = Some(Instant::now());
+    lap_stages(app, start, |stage| move |mut watch: ResMut<Watch>| watch.lap(stage));
 }
 
-fn start(mut watch: ResMut<Watch>) {
-    watch.last = Some(Instant::now());
-}
-
-fn lap<const STAGE: usize>(mut watch: ResMut<Watch>) {
-    let now = Instant::now();
-    if let Some(last) = watch.last.replace(now) {
-        watch.laps[STAGE].push(now - last);
+impl Watch {
+    fn lap(&mut self, stage: usize) {
+        let now = Instant::now();
+        if let Some(last) = self.last.replace(now) {
+            self.laps[stage].push(now - last);
+        }
     }
 }
 

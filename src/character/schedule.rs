@@ -38,28 +38,34 @@ pub enum PoseSystems {
     Palette,
 }
 
+impl PoseSystems {
+    /// All stages, in order.
+    pub const ALL: [Self; 11] = [
+        Self::Locomote,
+        Self::Pace,
+        Self::Sample,
+        Self::Plant,
+        Self::Look,
+        Self::Model,
+        Self::Aim,
+        Self::Reach,
+        Self::Ease,
+        Self::Attach,
+        Self::Palette,
+    ];
+}
+
 /// Orders the stages.
 pub struct SchedulePlugin;
 
 impl Plugin for SchedulePlugin {
     fn build(&self, app: &mut App) {
-        app.configure_sets(FixedUpdate, (MotionSystems::Decide, MotionSystems::Move).chain()).configure_sets(
-            PostUpdate,
-            (
-                PoseSystems::Locomote,
-                PoseSystems::Pace,
-                PoseSystems::Sample,
-                PoseSystems::Plant,
-                PoseSystems::Look,
-                PoseSystems::Model,
-                PoseSystems::Aim,
-                PoseSystems::Reach,
-                PoseSystems::Ease,
-                PoseSystems::Attach,
-                PoseSystems::Palette,
-            )
-                .chain()
-                .before(TransformSystems::Propagate),
-        );
+        app.configure_sets(FixedUpdate, (MotionSystems::Decide, MotionSystems::Move).chain());
+        for pair in PoseSystems::ALL.windows(2) {
+            app.configure_sets(PostUpdate, pair[0].before(pair[1]));
+        }
+        for stage in PoseSystems::ALL {
+            app.configure_sets(PostUpdate, stage.before(TransformSystems::Propagate));
+        }
     }
 }

@@ -6,6 +6,7 @@
 
 pub mod gauntlet;
 mod grounds;
+pub mod laps;
 #[cfg(feature = "render")]
 pub mod peer;
 mod stage;

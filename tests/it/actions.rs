@@ -10,6 +10,8 @@ use surefoot::{
     testing::{Stage, World},
 };
 
+use crate::support::assert_no_pop;
+
 const FRAME: f32 = 1.0 / 60.0;
 /// Seconds of the mannequin's wave.
 const WAVE: f32 = 2.6;
@@ -154,14 +156,7 @@ fn actions_fade_without_pops_whenever_they_begin_stop_or_begin_anew() {
             }
             stage.run_for(FRAME);
         }
-        let measures = stage.measures(walker);
-        println!("{what}: {:.2} and {:.2}", measures.pop_speed, measures.pop_jump);
-        assert!(
-            measures.pop_speed <= 2.0 && measures.pop_jump <= 2.0,
-            "{what}: {:.2} times the clips' angular speed, {:.2} times their jump",
-            measures.pop_speed,
-            measures.pop_jump
-        );
+        assert_no_pop(what, &stage.measures(walker));
     }
 }
 

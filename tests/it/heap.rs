@@ -26,7 +26,7 @@ use surefoot::{
     },
     character::{animator::Actions, intent::MoveIntent, schedule::PoseSystems},
     measure::record::Recorder,
-    testing::{Stage, World as Ground},
+    testing::{Stage, World as Ground, laps::lap_stages},
 };
 
 thread_local! {
@@ -98,42 +98,23 @@ fn a_crowd_is_posed_without_the_heap() {
 #[derive(Resource, Default)]
 struct Taken {
     before: usize,
-    stages: [usize; STAGES.len()],
-}
-
-/// Stages of a frame's poses, in order.
-const STAGES: [&str; 8] = ["locomote", "sample", "plant", "look", "model", "reach", "attach", "palette"];
-
-fn start(mut taken: ResMut<Taken>) {
-    taken.before = ALLOCATIONS.get();
-}
-
-fn lap<const STAGE: usize>(mut taken: ResMut<Taken>) {
-    let now = ALLOCATIONS.get();
-    let before = core::mem::replace(&mut taken.before, now);
-    taken.stages[STAGE] += now - before;
+    stages: [usize; PoseSystems::ALL.len()],
 }
 
 /// Counts the stages of a frame's poses, all of them on this thread.
 fn watch(app: &mut App) {
-    app.init_resource::<Taken>()
-        .add_systems(
-            PostUpdate,
-            (
-                start.before(PoseSystems::Locomote),
-                lap::<0>.after(PoseSystems::Locomote).before(PoseSystems::Sample),
-                lap::<1>.after(PoseSystems::Sample).before(PoseSystems::Plant),
-                lap::<2>.after(PoseSystems::Plant).before(PoseSystems::Look),
-                lap::<3>.after(PoseSystems::Look).before(PoseSystems::Model),
-                lap::<4>.after(PoseSystems::Model).before(PoseSystems::Reach),
-                lap::<5>.after(PoseSystems::Reach).before(PoseSystems::Attach),
-                lap::<6>.after(PoseSystems::Attach).before(PoseSystems::Palette),
-                lap::<7>.after(PoseSystems::Palette).before(TransformSystems::Propagate),
-            ),
-        )
-        .edit_schedule(PostUpdate, |schedule| {
-            schedule.set_executor(SingleThreadedExecutor::new());
-        });
+    app.init_resource::<Taken>();
+    let start = |mut taken: ResMut<Taken>| taken.before = ALLOCATIONS.get();
+    lap_stages(app, start, |stage| {
+        move |mut taken: ResMut<Taken>| {
+            let now = ALLOCATIONS.get();
+            let before = core::mem::replace(&mut taken.before, now);
+            taken.stages[stage] += now - before;
+        }
+    });
+    app.edit_schedule(PostUpdate, |schedule| {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    });
 }
 
 /// What stands before the allocations in the output of the process below.
@@ -176,7 +157,7 @@ fn walkers_are_posed_without_the_heap() {
     let counts = text.lines().find_map(|line| line.strip_prefix(MARK)).unwrap_or_else(|| {
         panic!("no count: {text}{}", String::from_utf8_lossy(&output.stderr));
     });
-    let taken: Vec<_> = STAGES.iter().zip(counts.split(' ')).filter(|(_, count)| *count != "0").collect();
+    let taken: Vec<_> = PoseSystems::ALL.iter().zip(counts.split(' ')).filter(|(_, count)| *count != "0").collect();
     assert!(taken.is_empty(), "allocations in two seconds of 16 walkers: {taken:?}");
 }
 

@@ -9,6 +9,7 @@ use surefoot::{
         intent::MoveIntent,
         motion::{CharacterMotion, MotionPlugin, MotionState},
     },
+    measure::summary::Measures,
     rig::tuning::motion::MotionConfig,
 };
 
@@ -100,4 +101,14 @@ pub fn shown(app: &App, walker: Entity) -> Vec3 {
 /// What the controller did last.
 pub fn state(app: &App, walker: Entity) -> MotionState {
     app.world().entity(walker).get::<MotionState>().cloned().unwrap_or_default()
+}
+
+/// No joint turns or starts more than twice as fast as in the clips that play: nothing seems to jump.
+pub fn assert_no_pop(what: &str, measures: &Measures) {
+    let (speed, jump) = (measures.pop_speed, measures.pop_jump);
+    println!("{what}: pops {speed:.2} and {jump:.2}");
+    assert!(
+        speed <= 2.0 && jump <= 2.0,
+        "{what} turns a joint {speed:.2} times as fast as the clips, with {jump:.2} times their jump"
+    );
 }
