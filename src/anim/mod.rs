@@ -11,6 +11,7 @@ pub mod inertialize;
 pub mod keys;
 pub mod leg;
 pub mod mask;
+pub mod peak;
 pub mod pose;
 pub mod retarget;
 pub mod skeleton;

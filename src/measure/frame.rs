@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::peak::Peak;
+use super::Peak;
 
 /// One foot in one frame.
 #[derive(Clone, Copy, Debug, Default)]

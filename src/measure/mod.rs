@@ -5,11 +5,10 @@
 
 pub mod bars;
 pub mod frame;
-mod peak;
 mod pelvis;
 pub mod record;
 mod start;
 pub mod summary;
 pub mod table;
 
-pub use peak::Peak;
+pub use crate::anim::peak::Peak;

@@ -3,12 +3,14 @@
 use avian3d::prelude::*;
 use bevy::prelude::*;
 
-use super::{
-    frame::{FootFrame, Frame},
-    peak::{JointMotion, Peak},
-};
+use super::frame::{FootFrame, Frame};
 use crate::{
-    anim::{ik::two_bone::bend_angle, leg::Leg, pose::Pose},
+    anim::{
+        ik::two_bone::bend_angle,
+        leg::Leg,
+        peak::{JointMotion, Peak},
+        pose::Pose,
+    },
     character::{
         Character,
         animator::{Actions, CharacterPose},
@@ -179,10 +181,7 @@ impl ClipPeaks {
             self.clips = clips.iter().map(|clip| Peak::of(&clip.clip, &seen.asset.skeleton, dt)).collect();
             let gaits = clips.iter().zip(&self.clips).filter(|(clip, _)| clip.gait.speed > 0.0);
             let slowest = gaits.min_by(|a, b| a.0.gait.speed.total_cmp(&b.0.gait.speed));
-            self.floor = slowest.map_or_else(Peak::default, |(_, peak)| Peak {
-                joint_speed: STEP * peak.joint_speed,
-                velocity_jump: STEP * peak.velocity_jump,
-            });
+            self.floor = slowest.map_or_else(Peak::default, |(_, peak)| *peak * STEP);
         }
         let rated = |playing: &Playing| self.clips[playing.clip].at_rate(playing.rate.max(1.0));
         let now = seen.playing.iter().map(rated).fold(self.floor, Peak::max);

@@ -27,6 +27,7 @@ use crate::anim::{
     clip::Clip,
     gait::{Contact, Gait},
     leg::Leg,
+    peak::Liveliness,
     pose::Pose,
     skeleton::{JointIndex, Skeleton},
 };
@@ -71,6 +72,8 @@ pub struct CharacterClip {
     pub clip: Arc<Clip>,
     /// What its feet do.
     pub gait: Gait,
+    /// How lively it is.
+    pub lively: Liveliness,
 }
 
 /// Why files make no character.
@@ -335,7 +338,8 @@ impl CharacterAsset {
         if let Some(speed) = told.ground_speed.or(clip.ground_speed) {
             gait.set_speed(speed, clip.duration);
         }
-        CharacterClip { name: name.to_owned(), clip: Arc::new(clip), gait }
+        let lively = Liveliness::of(&clip, &self.skeleton);
+        CharacterClip { name: name.to_owned(), clip: Arc::new(clip), gait, lively }
     }
 
     /// Puts the clips of one file on the ground, where none of them stands on the rest pose's.

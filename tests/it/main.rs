@@ -30,6 +30,7 @@ mod probes;
 mod quality;
 #[cfg(feature = "render")]
 mod render_support;
+mod reversals;
 mod rig;
 #[cfg(feature = "render")]
 mod shaders;

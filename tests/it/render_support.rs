@@ -132,6 +132,9 @@ struct Reported {
 /// How long a busy machine may take over a picture.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// Frames in a row in which no new pipeline was asked for and none waits, before a picture is taken.
+const SETTLED: usize = 4;
+
 /// The folder of this crate's assets.
 const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
 
@@ -244,7 +247,7 @@ impl Studio {
     }
 
     /// The picture of the scene as it is now, once everything in it can be drawn: new meshes and materials are in their
-    /// third frame, and later where their shaders still load.
+    /// third frame on an idle machine, and later where their shaders still load.
     pub(crate) fn picture(&mut self) -> Picture {
         let deadline = Instant::now() + PATIENCE;
         let (mut known, mut settled) = (usize::MAX, 0);
@@ -253,7 +256,7 @@ impl Studio {
             let report = self.report();
             let ready = report.waiting == 0 && report.pipelines == known;
             (known, settled) = (report.pipelines, if ready { settled + 1 } else { 0 });
-            if settled == 2 {
+            if settled == SETTLED {
                 return self.frame(number);
             }
             assert!(Instant::now() < deadline, "{} pipelines still wait after {PATIENCE:?}", report.waiting);

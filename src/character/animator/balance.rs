@@ -30,7 +30,7 @@ const GRAVITY: f32 = 9.81;
 const AIR_HALF_LIFE: f32 = 0.1;
 /// Leans below this, in radians, are none.
 const NOTHING: f32 = 1e-4;
-/// Speed in m/s from which a slope is leaned against fully.
+/// Speed in m/s from which a slope is leaned against fully, and from which on accelerations across are told from those along.
 const WALKS: f32 = 1.0;
 
 /// The spine, from below.
@@ -57,7 +57,7 @@ impl Balance {
         self.felt.step(flat, config.half_life, dt);
         self.grip = damp(self.grip, if grounded { 1.0 } else { 0.0 }, AIR_HALF_LIFE, dt);
         let into_model = turn.inverse();
-        self.lean = wanted_lean(into_model * self.felt.velocity, into_model * flat, config) * self.grip;
+        self.lean = wanted_lean(into_model * self.felt.velocity, into_model * self.felt.value, config) * self.grip;
         self.stoop = wanted_stoop(into_model * flat, grade, config) * self.grip;
     }
 
@@ -78,7 +78,8 @@ pub fn wanted_lean(acceleration: Vec3, velocity: Vec3, config: &BalanceConfig) -
         direction_or(acceleration, Vec3::ZERO) * ops::atan(size / GRAVITY)
     };
     let across = acceleration - along;
-    let side = if way == Vec3::ZERO { config.forward } else { config.side };
+    // Who hardly moves has no side.
+    let side = config.forward + (config.side - config.forward) * (velocity.length() / WALKS).min(1.0);
     limited(balancing(along) * config.forward + balancing(across) * side, config)
 }
 

@@ -8,10 +8,11 @@ use super::{
     foot::FootState,
     ground::{Reach, SoleShape},
     pelvis::LegReach,
+    soften::Limits,
     surroundings::{AnimatedFoot, PlacedFoot},
 };
 use crate::{
-    anim::{ik::two_bone::Extension, leg::Leg},
+    anim::{ik::two_bone::Extension, leg::Leg, peak::Peak},
     character::{
         animator::CharacterPose,
         legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg},
@@ -25,6 +26,8 @@ use crate::{
 
 /// How fast a heel lifts to reach, rad/s, and the half-life in seconds in which it comes down when it needn't.
 const HEEL: (f32, f32) = (8.0, 0.06);
+/// How much of the effect is on from which on legs are kept from jumping: one that fades lets go of the ground.
+const ON: f32 = 0.99;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
@@ -39,6 +42,8 @@ pub(super) struct Body<'a> {
     pub(super) dt: f32,
     /// How fast it turns about +Y, rad/s, as feet see it.
     pub(super) turns: f32,
+    /// How lively the clips are that play.
+    pub(super) clips: Peak,
 }
 
 impl Body<'_> {
@@ -214,6 +219,8 @@ impl Body<'_> {
         let fastest = self.locomotion.leg_speed(self.asset).max(hurry);
         let asked = pose.pose.position(leg.foot);
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
+        let limits = if hurry > 0.0 || weight < ON { Limits::NONE } else { Limits::of(self.clips, self.dt) };
+        foot.soften.keep(&mut pose.pose, &self.asset.skeleton, leg, limits, self.dt);
         foot.note_droop(&pose.pose, leg, placed);
         foot.missed = result.missed;
         foot.behind = pose.pose.position(leg.foot).distance(asked);

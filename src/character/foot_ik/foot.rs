@@ -13,6 +13,7 @@ use super::{
     ground::{Plane, Probe},
     landing::Landing,
     pace::Pace,
+    soften::Soften,
     surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings},
     turns::{flattening, limited_align},
 };
@@ -113,6 +114,8 @@ pub struct FootState {
     pub(super) droops: f32,
     /// How fast its leg may move.
     pub(super) pace: Pace,
+    /// What it keeps of its motion.
+    pub(super) soften: Soften,
     /// Metres by which the leg didn't reach where the foot was put in the last frame.
     pub(super) missed: f32,
     /// Metres by which the leg, which moves no faster than it may, was behind that.
@@ -223,9 +226,9 @@ impl FootState {
 
     /// One frame in the air, without ground: the foot is where the clip has it.
     pub(super) fn fly_free(&mut self, foot: &AnimatedFoot, dt: f32) {
-        let carry = self.carry;
+        let (carry, soften) = (self.carry, self.soften);
         self.reset();
-        self.carry = carry;
+        (self.carry, self.soften) = (carry, soften);
         self.carry.note(foot.clip_ankle, dt);
         self.base = foot.floor;
         self.free = true;

@@ -15,6 +15,7 @@ mod pace;
 mod pelvis;
 mod probe;
 mod ride;
+mod soften;
 mod stance;
 mod surroundings;
 mod turns;
@@ -29,6 +30,7 @@ pub use near::{Grounds, NearProbe};
 pub use pelvis::{LegReach, PelvisFrame, PelvisState, drop_for};
 pub use probe::{Frames, GroundFilter, NoGround, PhysicsProbe};
 pub use ride::{Ride, ride};
+use soften::Limits;
 pub use surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings};
 
 use super::{
@@ -140,13 +142,14 @@ fn plant(
             let wanted = detail.is_none_or(|detail| detail.feet);
             // Landings turn with the body; one that begins to turn would throw them about.
             ik.turns = damp(ik.turns, motion.yaw_rate, TURNS_HALF_LIFE, dt);
-            let body = Body { root, motion, locomotion, asset, wanted, dt, turns: ik.turns };
+            let clips = locomotion.liveliest(asset, dt);
+            let body = Body { root, motion, locomotion, asset, wanted, dt, turns: ik.turns, clips };
             if pacing.is_some_and(|pacing| pacing.returns) {
                 ik.reset();
             }
             if !wanted && ik.weight < OFF {
                 let animated = ik.animated(&body, &pose);
-                return ik.fly_free(&body, &pose, &animated);
+                return ik.fly_free(&body, &mut pose, &animated);
             }
             let config = asset.file.foot_ik.for_leg(asset.leg_length);
             let probe = grounds.near(filter, body.reach(&config), STRIDE * asset.leg_length);
@@ -212,13 +215,14 @@ impl FootIk {
     }
 
     /// Leaves the pose as it is, and keeps up with it.
-    fn fly_free(&mut self, body: &Body<'_>, pose: &CharacterPose, animated: &[AnimatedFoot; 2]) {
+    fn fly_free(&mut self, body: &Body<'_>, pose: &mut CharacterPose, animated: &[AnimatedFoot; 2]) {
         self.placed = [None; 2];
         self.legs = [LegResult::default(); 2];
         self.pelvis.fly_free(body.hips(pose), body.dt);
         for ((foot, animated), leg) in self.feet.iter_mut().zip(animated).zip(&body.asset.legs) {
             foot.fly_free(animated, body.dt);
             foot.pace.note(&pose.pose, leg, body.dt);
+            foot.soften.keep(&mut pose.pose, &body.asset.skeleton, leg, Limits::NONE, body.dt);
         }
     }
 

@@ -21,10 +21,16 @@ pub use machine::Machine;
 
 use super::{bind::CharacterAssets, motion::MotionState, schedule::PoseSystems};
 use crate::{
-    anim::pose::Pose,
+    anim::{
+        peak::{Liveliness, Peak},
+        pose::Pose,
+    },
     math::{rotation::heading, spring::damp},
     rig::character::{CharacterAsset, CharacterClip},
 };
+
+/// Share of the slowest gait's liveliness that a step of a foot by itself has.
+const STEP: f32 = 0.5;
 
 /// What plays: the state machine and what follows from it.
 #[derive(Component, Clone, Debug)]
@@ -36,12 +42,21 @@ pub struct Locomotion {
     /// The transition taken in this frame.
     pub taken: Option<Taken>,
     tracks: Arc<[Track]>,
+    /// How lively the slowest gait is.
+    slowest: Liveliness,
     heard: Vec<Heard>,
     triggers: Vec<String>,
     grade: f32,
     last_root: Option<Vec3>,
     /// `MotionState::jumps` of the last frame.
     jumps: Option<u32>,
+}
+
+/// The slowest gait; nothing without gaits.
+fn slowest_gait(asset: &CharacterAsset) -> Liveliness {
+    let gaits = asset.clips().iter().filter(|clip| clip.gait.speed > 0.0);
+    let slowest = gaits.min_by(|a, b| a.gait.speed.total_cmp(&b.gait.speed));
+    slowest.map_or_else(Liveliness::default, |clip| clip.lively)
 }
 
 /// A clip of a state.
@@ -100,6 +115,7 @@ impl Locomotion {
             taken: None,
             heard: Vec::with_capacity(tracks.len()),
             tracks: tracks.into(),
+            slowest: slowest_gait(asset),
             triggers: Vec::new(),
             grade: 0.0,
             last_root: None,
@@ -139,13 +155,22 @@ impl Locomotion {
     /// that of a step.
     #[must_use]
     pub fn leg_speed(&self, asset: &CharacterAsset) -> f32 {
-        let machine = &self.machine;
-        let speed = |playing: Playing<'_>| {
-            let gait = machine.is_gait(playing.state);
-            let rate = if gait { machine.phase_rate() * playing.clip.clip.duration } else { 1.0 };
-            playing.clip.gait.leg_speed * rate.max(1.0) * playing.weight
-        };
+        let speed = |playing: Playing<'_>| playing.clip.gait.leg_speed * self.rate(&playing) * playing.weight;
         self.playing(asset).map(speed).sum::<f32>().max(asset.step_speed())
+    }
+
+    /// The liveliest that any of the clips that play is in frames of `dt` seconds; at least as lively as a step.
+    #[must_use]
+    pub fn liveliest(&self, asset: &CharacterAsset, dt: f32) -> Peak {
+        let peak = |playing: Playing<'_>| playing.clip.lively.at(dt).at_rate(self.rate(&playing));
+        self.playing(asset).map(peak).fold(self.slowest.at(dt) * STEP, Peak::max)
+    }
+
+    /// How many times as fast as by itself a clip plays, at least once.
+    fn rate(&self, playing: &Playing<'_>) -> f32 {
+        let gait = self.machine.is_gait(playing.state);
+        let rate = if gait { self.machine.phase_rate() * playing.clip.clip.duration } else { 1.0 };
+        rate.max(1.0)
     }
 
     /// Pulls a trigger: a transition that waits for `name` may be taken in the next frame.
