@@ -9,6 +9,7 @@ mod decide;
 mod flight;
 mod foot;
 mod ground;
+mod heave;
 mod landing;
 mod near;
 mod pace;

@@ -6,7 +6,7 @@
 
 use bevy::prelude::*;
 
-use super::ride::Ride;
+use super::{heave::Heave, ride::Ride};
 use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
 
 /// Half-life in seconds in which the body follows a change of the slope that it rides over.
@@ -46,6 +46,7 @@ pub struct PelvisState {
     /// World height of the final hips joint in the last frame, and its speed.
     hips: Option<Spring<f32>>,
     fall: Fall,
+    heave: Heave,
 }
 
 /// A fall that the legs stop.
@@ -70,6 +71,8 @@ const SQUAT: f32 = 0.52;
 const GENTLE: f32 = 4.0;
 /// Radians a second that the joints of a leg of one metre turn for each m/s beyond.
 const BENDS: f32 = 6.7;
+/// How much of foot placement is on, below which a body lets go of the ground.
+const STANDS: f32 = 0.99;
 /// Least metres in which a fall is stopped. Guards the division.
 const LEAST_ROOM: f32 = 0.02;
 
@@ -98,7 +101,8 @@ impl PelvisState {
 
     /// One frame in the air, without ground, the hips joint at the world height `hips`.
     pub(super) fn fly_free(&mut self, hips: f32, dt: f32) {
-        *self = Self { hips: self.hips, ..Self::default() };
+        *self = Self { hips: self.hips, heave: self.heave, ..Self::default() };
+        self.heave.let_go(hips, dt);
         self.note(hips, dt);
     }
 
@@ -158,6 +162,8 @@ impl PelvisState {
         let squat = floor + carried + SQUAT * legs[0].length;
         let lowest = squat.max(hips + placed - most);
         self.offset = placed + self.stop_fall(hips + placed, lowest, dt);
+        let free = !matches!(self.fall, Fall::Over) || weight < STANDS;
+        self.offset += self.heave.keep(hips + self.offset, free, dt);
         self.note(hips + self.offset, dt);
         self.offset
     }

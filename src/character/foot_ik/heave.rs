@@ -1,0 +1,105 @@
+//! How the pelvis heaves: its height changes its speed no faster than in a lively stride.
+//!
+//! Legs that come to their ends, and ground that is seen late, ask for more within a frame. The pelvis then goes on as it did
+//! and eases to where it is asked: inertialization of one height. World space, metres, +Y up.
+
+use bevy::math::Vec3;
+
+use crate::math::fade::ebb;
+
+/// Largest acceleration of the pelvis, m/s²; a run's own is 12.
+const MOST: f32 = 14.0;
+/// Seconds in which the pelvis eases to where it is asked.
+const EASES: f32 = 0.2;
+
+/// What the pelvis keeps of its motion.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Heave {
+    /// The hips in the last frame: height asked, height shown, and how fast they came there, m/s; that not in their first.
+    last: Option<(f32, f32, Option<f32>)>,
+    left: Option<Left>,
+}
+
+/// What is left of the way before: offset and its speed when it was left, and the seconds since then.
+#[derive(Clone, Copy, Debug)]
+struct Left {
+    offset: f32,
+    speed: f32,
+    elapsed: f32,
+}
+
+impl Left {
+    fn offset(&self) -> f32 {
+        ebb(Vec3::Y * self.offset, Vec3::Y * (self.speed * EASES), self.elapsed / EASES).y
+    }
+}
+
+impl Heave {
+    /// Metres by which hips that are asked to be at the world height `asked` stay off it. Who falls or jumps is `free` to.
+    pub(super) fn keep(&mut self, asked: f32, free: bool, dt: f32) -> f32 {
+        let dt = dt.max(1e-4);
+        self.left =
+            self.left.map(|left| Left { elapsed: left.elapsed + dt, ..left }).filter(|left| left.elapsed < EASES);
+        let mut offset = self.left.map_or(0.0, |left| left.offset());
+        if let Some((before, shown, Some(speed))) = self.last.filter(|_| !free) {
+            let change = (asked + offset - shown) / dt - speed;
+            if change.abs() > MOST * dt {
+                let now = speed + change.clamp(-MOST * dt, MOST * dt);
+                offset = shown + now * dt - asked;
+                self.left = Some(Left { offset, speed: now - (asked - before) / dt, elapsed: 0.0 });
+            }
+        }
+        let shown = asked + offset;
+        self.last = Some((asked, shown, self.last.map(|(_, last, _)| (shown - last) / dt)));
+        offset
+    }
+
+    /// The hips are at the world height `hips`, whatever was asked.
+    pub(super) fn let_go(&mut self, hips: f32, dt: f32) {
+        self.left = None;
+        self.keep(hips, true, dt);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f32 = 1.0 / 60.0;
+
+    /// Heights shown for those that `asked` tells by frame.
+    fn shown(free: bool, asked: impl Fn(usize) -> f32) -> Vec<f32> {
+        let mut heave = Heave::default();
+        (0..60).map(|frame| asked(frame) + heave.keep(asked(frame), free, DT)).collect()
+    }
+
+    /// Largest acceleration, m/s².
+    fn hardest(heights: &[f32]) -> f32 {
+        heights.windows(3).map(|h| ((h[2] - 2.0 * h[1] + h[0]) / (DT * DT)).abs()).fold(0.0, f32::max)
+    }
+
+    /// Sinks with 0.5 m/s from the tenth frame on, and stands from the twentieth.
+    fn sinks(frame: usize) -> f32 {
+        0.9 - 0.5 * DT * frame.clamp(10, 20) as f32
+    }
+
+    #[test]
+    fn hips_that_are_pulled_at_once_start_and_stop_gently() {
+        let heights = shown(false, sinks);
+        let (hardest, off) = (hardest(&heights), (heights[50] - sinks(50)).abs());
+        assert!(hardest < MOST + 0.1, "{hardest} m/s²");
+        assert!(off < 1e-4, "{off} m off in the end");
+    }
+
+    #[test]
+    fn a_stride_is_left_alone_and_so_is_a_fall() {
+        // 4 cm up and down 2.5 times a second: 10 m/s².
+        let stride = |frame: usize| 0.9 + 0.04 * (core::f32::consts::TAU * 2.5 * frame as f32 * DT).sin();
+        for (heights, asked) in [(shown(false, stride), &stride as &dyn Fn(usize) -> f32), (shown(true, sinks), &sinks)]
+        {
+            let off =
+                heights.iter().enumerate().map(|(frame, height)| (height - asked(frame)).abs()).fold(0.0, f32::max);
+            assert!(off < 1e-6, "{off} m off");
+        }
+    }
+}
