@@ -30,6 +30,8 @@ pub struct Inertializer {
     before: Vec<JointTransform>,
     dt: f32,
     frames: u8,
+    /// Whether the new clip was seen in but one frame, and it is still to be found out how it moves.
+    begun: bool,
     elapsed: f32,
     seconds: f32,
 }
@@ -49,12 +51,13 @@ impl Inertializer {
     /// From now on `pose` is played instead of what was recorded: the difference becomes the offset, which is gone after
     /// `seconds`.
     ///
-    /// Without two recorded frames there is nothing to carry over.
-    pub fn begin(&mut self, pose: &[JointTransform], seconds: f32) {
+    /// The new pose's own motion is added `at_once`, or eased in like its place. Without two recorded frames there is nothing to
+    /// carry over.
+    pub fn begin(&mut self, pose: &[JointTransform], seconds: f32, at_once: bool) {
         if self.frames < 2 {
             return;
         }
-        (self.elapsed, self.seconds) = (0.0, seconds);
+        (self.begun, self.elapsed, self.seconds) = (!at_once, 0.0, seconds);
         let per_second = 1.0 / self.dt.max(1e-4);
         for (((offset, last), before), new) in self.offsets.iter_mut().zip(&self.last).zip(&self.before).zip(pose) {
             *offset = Offset {
@@ -66,17 +69,39 @@ impl Inertializer {
         }
     }
 
-    /// Adds what is left of the offset to `pose`, `dt` seconds later.
-    pub fn apply(&mut self, pose: &mut [JointTransform], dt: f32) {
+    /// Adds what is left of the offset to `pose`, `dt` seconds later. Gives whether there was any.
+    pub fn apply(&mut self, pose: &mut [JointTransform], dt: f32) -> bool {
         self.elapsed += dt;
         if self.elapsed >= self.seconds {
-            return;
+            return false;
+        }
+        if self.begun && self.elapsed > dt {
+            self.begun = false;
+            self.see_motion(pose, dt);
         }
         let (t, seconds) = (self.elapsed / self.seconds, self.seconds);
         for (offset, joint) in self.offsets.iter().zip(pose) {
             let turn = ebb(offset.rotation, offset.turn * seconds, t);
             joint.rotation = (from_scaled_axis(turn) * joint.rotation).normalize();
             joint.translation += ebb(offset.translation, offset.velocity * seconds, t);
+        }
+        true
+    }
+
+    /// From the last frame on the offset moves as the old pose did against the new clip, which is at `pose` now.
+    fn see_motion(&mut self, pose: &[JointTransform], dt: f32) {
+        self.elapsed = dt;
+        let per_second = 1.0 / dt.max(1e-4);
+        for (((offset, last), before), now) in self.offsets.iter_mut().zip(&self.last).zip(&self.before).zip(pose) {
+            // The new clip in the last frame: the offset was told against it.
+            let rotation = from_scaled_axis(-offset.rotation) * before.rotation;
+            let translation = before.translation - offset.translation;
+            *offset = Offset {
+                rotation: to_scaled_axis(last.rotation * rotation.inverse()),
+                turn: offset.turn - to_scaled_axis(now.rotation * rotation.inverse()) * per_second,
+                translation: last.translation - translation,
+                velocity: offset.velocity - (now.translation - translation) * per_second,
+            };
         }
     }
 
@@ -98,12 +123,36 @@ mod tests {
     }
 
     #[test]
+    fn a_clip_that_moves_is_taken_up_gently() {
+        let dt = 1.0 / 60.0;
+        // Still at 0.3; the new clip turns by 3 rad/s.
+        let new = |frame: u8| bent(0.05 * f32::from(frame));
+        let mut inertializer = Inertializer::new(1);
+        for _ in 0..2 {
+            inertializer.record(&bent(0.3), dt);
+        }
+        inertializer.begin(&new(0), 0.3, false);
+        let mut angles = vec![0.3, 0.3];
+        for frame in 0..30 {
+            let mut pose = new(frame);
+            inertializer.apply(&mut pose, dt);
+            inertializer.record(&pose, dt);
+            angles.push(to_scaled_axis(pose[0].rotation).x);
+        }
+        for (frame, three) in angles.windows(3).enumerate() {
+            let change = (three[2] - 2.0 * three[1] + three[0]).abs() / dt;
+            assert!(change < 0.9, "turns {change} rad/s faster in frame {frame}");
+        }
+        assert!((angles[31] - 1.45).abs() < 1e-4, "is at {} of 1.45", angles[31]);
+    }
+
+    #[test]
     fn the_pose_does_not_jump_and_arrives() {
         let dt = 1.0 / 60.0;
         let mut inertializer = Inertializer::new(1);
         inertializer.record(&bent(0.98), dt);
         inertializer.record(&bent(1.0), dt);
-        inertializer.begin(&bent(0.0), 0.4);
+        inertializer.begin(&bent(0.0), 0.4, false);
         let mut last = 1.0;
         for frame in 0..120 {
             let mut pose = bent(0.0);

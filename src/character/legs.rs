@@ -7,6 +7,7 @@ use bevy::{math::ops, prelude::*};
 use crate::{
     anim::{
         ik::two_bone::{self, Extension, Limb},
+        leg::Leg,
         pose::{Pose, rotation_of},
         skeleton::{JointIndex, Skeleton},
     },
@@ -62,6 +63,19 @@ pub fn place_leg(
     LegResult {
         missed: pose.position(joints.foot).distance(ankle_model),
         extension: if length > 0.0 { solution.end.distance(limb.root) / length } else { 0.0 },
+    }
+}
+
+/// How far the leg of a clip may stretch when its foot is put back.
+pub const CLIP_EXTENSION: Extension = Extension { soft: 0.985, hard: 0.995 };
+
+/// Changes the pose above its feet and sets the legs back onto them.
+pub fn keeping_feet(pose: &mut Pose, skeleton: &Skeleton, legs: &[Leg; 2], change: impl FnOnce(&mut Pose)) {
+    let feet = legs.map(|leg| (pose.position(leg.foot), pose.rotation(leg.foot)));
+    change(pose);
+    for (leg, (ankle, rotation)) in legs.iter().zip(feet) {
+        let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
+        place_leg(pose, skeleton, joints, ankle, rotation, Vec3::NEG_Z, CLIP_EXTENSION);
     }
 }
 

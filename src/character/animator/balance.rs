@@ -5,17 +5,11 @@
 
 use bevy::{math::ops, prelude::*};
 
-use super::feet::EXTENSION;
 use crate::{
     anim::pose::Pose,
     character::{
-        Character,
-        animator::CharacterPose,
-        bind::CharacterAssets,
-        detail::Pacing,
-        legs::{LegJoints, place_leg},
-        locomotion::Locomotion,
-        motion::MotionState,
+        Character, animator::CharacterPose, bind::CharacterAssets, detail::Pacing, legs::keeping_feet,
+        locomotion::Locomotion, motion::MotionState,
     },
     math::{
         rotation::{direction_or, from_scaled_axis},
@@ -110,21 +104,18 @@ fn apply(balance: &Balance, pose: &mut Pose, asset: &CharacterAsset, config: &Ba
         return;
     }
     let skeleton = &*asset.skeleton;
-    let feet = asset.legs.map(|leg| (pose.position(leg.foot), pose.rotation(leg.foot)));
-    let from_ankles = from_scaled_axis(balance.lean * config.from_ankles);
-    let hips = pose.position(asset.hips);
-    pose.shift_model(skeleton, asset.hips, from_ankles * hips - hips);
-    pose.rotate_model(skeleton, asset.hips, from_ankles);
-    let bones = || SPINE.iter().filter_map(|role| asset.humanoid.get(*role));
-    let spine = balance.lean * (1.0 - config.from_ankles) + balance.stoop;
-    let bend = from_scaled_axis(spine / bones().count().max(1) as f32);
-    // All bends are about one axis, so each may be made in the frame that its joint had.
-    bones().for_each(|joint| pose.rotate_model(skeleton, joint, bend));
-    pose.update_model_of(skeleton, &asset.trunk);
-    for (leg, (ankle, rotation)) in asset.legs.iter().zip(feet) {
-        let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
-        place_leg(pose, skeleton, joints, ankle, rotation, Vec3::NEG_Z, EXTENSION);
-    }
+    keeping_feet(pose, skeleton, &asset.legs, |pose| {
+        let from_ankles = from_scaled_axis(balance.lean * config.from_ankles);
+        let hips = pose.position(asset.hips);
+        pose.shift_model(skeleton, asset.hips, from_ankles * hips - hips);
+        pose.rotate_model(skeleton, asset.hips, from_ankles);
+        let bones = || SPINE.iter().filter_map(|role| asset.humanoid.get(*role));
+        let spine = balance.lean * (1.0 - config.from_ankles) + balance.stoop;
+        let bend = from_scaled_axis(spine / bones().count().max(1) as f32);
+        // All bends are about one axis, so each may be made in the frame that its joint had.
+        bones().for_each(|joint| pose.rotate_model(skeleton, joint, bend));
+        pose.update_model_of(skeleton, &asset.trunk);
+    });
 }
 
 pub(super) fn keep_balance(

@@ -63,11 +63,14 @@ impl CharacterPose {
             return;
         }
         let blended = corrects.then(|| feet::ankles(self.pose.locals(), &asset.skeleton, &asset.legs));
-        if let Some(taken) = locomotion.taken.filter(|taken| taken.blend == TransitionBlend::Inertialize) {
-            self.inertializer.begin(self.pose.locals(), taken.fade);
+        if let Some(taken) = locomotion.taken.filter(|taken| taken.blend != TransitionBlend::CrossFade) {
+            self.inertializer.begin(self.pose.locals(), taken.fade, taken.blend == TransitionBlend::Burst);
         }
-        self.inertializer.apply(self.pose.locals_mut(), dt);
+        let eases = self.inertializer.apply(self.pose.locals_mut(), dt);
         self.pose.update_model_of(&asset.skeleton, &asset.trunk);
+        if eases {
+            feet::keep_bent(&mut self.pose, &asset.skeleton, &asset.legs);
+        }
         if let Some(blended) = blended {
             self.feet.correct(&mut self.pose, &asset.skeleton, &asset.legs, &blended);
         }

@@ -219,7 +219,11 @@ impl Body<'_> {
         let fastest = self.locomotion.leg_speed(self.asset).max(hurry);
         let asked = pose.pose.position(leg.foot);
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
-        let limits = if hurry > 0.0 || weight < ON { Limits::NONE } else { Limits::of(self.clips, self.dt) };
+        let limits = if hurry > 0.0 || weight < ON {
+            Limits { share: weight, ..Limits::NONE }
+        } else {
+            Limits::of(self.clips, self.dt)
+        };
         foot.soften.keep(&mut pose.pose, &self.asset.skeleton, leg, limits, self.dt);
         foot.note_droop(&pose.pose, leg, placed);
         foot.missed = result.missed;

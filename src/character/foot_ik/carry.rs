@@ -17,9 +17,23 @@ pub(super) struct Carry {
     phase: Phase,
     /// Whether a gait lifted it, and only its first moments are eased.
     brief: bool,
-    /// Where the point was last, and its velocity then.
+    ankle: Track,
+    /// The toes' tip: what a gait lifts last.
+    tip: Track,
+}
+
+/// Where a point was last, and its velocity then.
+#[derive(Clone, Copy, Debug, Default)]
+struct Track {
     place: Option<Vec3>,
     velocity: Vec3,
+}
+
+impl Track {
+    fn note(&mut self, place: Vec3, dt: f32) {
+        self.velocity = self.place.map_or(Vec3::ZERO, |last| (place - last) / dt.max(1e-4));
+        self.place = Some(place);
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -59,34 +73,37 @@ impl Carry {
 
     /// The body that carries it has come to the ground, `fallen` metres lower than in the last frame: it fell with it.
     pub(super) fn land(&mut self, fallen: f32) {
-        self.velocity.y = 0.0;
-        if let Some(place) = &mut self.place {
-            place.y -= fallen;
+        for track in [&mut self.ankle, &mut self.tip] {
+            track.velocity.y = 0.0;
+            if let Some(place) = &mut track.place {
+                place.y -= fallen;
+            }
         }
     }
 
-    /// Notes where the point was put in this frame.
-    pub(super) fn note(&mut self, place: Vec3, dt: f32) {
-        self.velocity = self.place.map_or(Vec3::ZERO, |last| (place - last) / dt.max(1e-4));
-        self.place = Some(place);
+    /// Notes where ankle and tip were put in this frame.
+    pub(super) fn note(&mut self, ankle: Vec3, tip: Vec3, dt: f32) {
+        self.ankle.note(ankle, dt);
+        self.tip.note(tip, dt);
     }
 
-    /// The offset from the new way, which is at `new` now; it is over within `left` seconds.
-    pub(super) fn offset(&mut self, new: Vec3, left: f32, dt: f32) -> Vec3 {
-        let offset = self.eased(new, left, dt);
-        if self.brief { offset.with_y(0.0) } else { offset }
+    /// The offset from the new way, which has ankle and tip there now; it is over within `left` seconds.
+    pub(super) fn offset(&mut self, ankle: Vec3, tip: Vec3, left: f32, dt: f32) -> Vec3 {
+        // Whatever the foot turns, a tip that stood starts from rest.
+        if self.brief { self.eased(tip, left, dt).with_y(0.0) } else { self.eased(ankle, left, dt) }
     }
 
     fn eased(&mut self, new: Vec3, left: f32, dt: f32) -> Vec3 {
+        let Track { place, velocity: old } = if self.brief { self.tip } else { self.ankle };
         match self.phase {
             Phase::Over => Vec3::ZERO,
             Phase::Begun => {
-                let offset = self.place.map_or(Vec3::ZERO, |place| place + self.velocity * dt - new);
+                let offset = place.map_or(Vec3::ZERO, |place| place + old * dt - new);
                 self.phase = Phase::Seen { offset, new };
                 offset
             }
             Phase::Seen { offset, new: last } => {
-                let velocity = self.velocity - (new - last) / dt.max(1e-4);
+                let velocity = old - (new - last) / dt.max(1e-4);
                 let seconds = if self.brief { SHORTEST } else { left.clamp(SHORTEST, LONGEST) };
                 self.phase = Phase::Eases { offset, velocity, elapsed: 0.0, seconds };
                 self.eased(new, left, dt)
@@ -123,9 +140,9 @@ mod tests {
                 if frame == 10 {
                     carry.begin();
                 }
-                new(time) + carry.offset(new(time), 0.3, DT)
+                new(time) + carry.offset(new(time), new(time), 0.3, DT)
             };
-            carry.note(place, DT);
+            carry.note(place, place, DT);
             places.push(place);
         }
         for (frame, three) in places.windows(3).enumerate() {

@@ -166,6 +166,7 @@ impl FootState {
         let begins = elapsed == 0.0;
         // A leg that is behind its way is waited for.
         let elapsed = elapsed + around.dt * self.pace.share();
+        self.landing.ride(around.frames);
         self.landing.foresee(foot.ball, foot.forward, (seconds - elapsed).max(0.0), self.base, around);
         self.look_over_the_way(foot, around);
         // Up, down or over something takes longer.
@@ -220,7 +221,7 @@ impl FootState {
         let mut placed = self.place(foot, None, plane);
         placed.takeoff = self.flight.takeoff;
         placed.landing = Some((landing, time_left));
-        let kept = self.carry.offset(placed.ankle, 0.8 * time_left, around.dt);
+        let kept = self.carry.offset(placed.ankle, placed.sole[2], 0.8 * time_left, around.dt);
         // A foot with something right before it is held by its place instead.
         let free = if self.carry.is_brief() { 1.0 - self.flight.blocked() } else { 1.0 };
         self.shift(&mut placed, kept * free);

@@ -195,7 +195,7 @@ impl FootState {
             Mode::Swing => self.swing(foot, around),
             Mode::Stepping { elapsed, seconds } => self.step((elapsed, seconds), foot, around),
         };
-        self.carry.note(placed.ankle, around.dt);
+        self.carry.note(placed.ankle, placed.sole[2], around.dt);
         placed
     }
 
@@ -229,7 +229,7 @@ impl FootState {
         let (carry, soften) = (self.carry, self.soften);
         self.reset();
         (self.carry, self.soften) = (carry, soften);
-        self.carry.note(foot.clip_ankle, dt);
+        self.carry.note(foot.clip_ankle, foot.tip, dt);
         self.base = foot.floor;
         self.free = true;
     }

@@ -50,6 +50,8 @@ pub(super) struct Landing {
     settled: bool,
     clip: Vec3,
     behind: Vec3,
+    /// The ground there, and its frame in the last frame.
+    ground: Option<(Entity, Isometry3d)>,
     /// Where the ground was probed last, as seen from which height, and what was there.
     probed: Option<(Vec3, Option<Footprint>)>,
     known: bool,
@@ -113,6 +115,19 @@ impl Landing {
             self.behind *= remaining(FOLLOW, dt);
         }
         clip + short_of(self.behind, STAYS)
+    }
+
+    /// The ground has moved since the last frame, and carries along a place that is told as it is now. A landing that is foreseen
+    /// is told as it will be, with all that the ground carries it.
+    pub(super) fn ride(&mut self, frames: &impl GroundFrames) {
+        let on = self.probed.and_then(|(_, print)| print).map(|print| print.ball.entity);
+        let now = on.and_then(|on| Some((on, frames.frame(on)?)));
+        let before = core::mem::replace(&mut self.ground, now);
+        if let (Some((was, before)), Some((on, now))) = (before, now)
+            && was == on
+        {
+            self.clip += (now * (before.inverse() * self.place) - self.place).with_y(0.0);
+        }
     }
 
     /// How far, 0..1, the place is a step down from ground at `takeoff`, rather than further down one slope.

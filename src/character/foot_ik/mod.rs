@@ -3,6 +3,7 @@
 //! Reads the animated pose, the playing clips' cues, the root and the ground; turns hips, knees and ankles of the pose and
 //! lowers the pelvis. Feet are placed in world space, legs solved in model space: metres, +Y up, the character faces -Z.
 
+mod air;
 mod body;
 mod carry;
 mod decide;
@@ -31,7 +32,6 @@ pub use near::{Grounds, NearProbe};
 pub use pelvis::{LegReach, PelvisFrame, PelvisState, drop_for};
 pub use probe::{Frames, GroundFilter, NoGround, PhysicsProbe};
 pub use ride::{Ride, ride};
-use soften::Limits;
 pub use surroundings::{AnimatedFoot, GroundFrames, PlacedFoot, Surroundings};
 
 use super::{
@@ -178,9 +178,12 @@ impl FootIk {
         } else if goal > 0.0 && self.placed == [None; 2] {
             self.weight = 1.0;
             // Out of the air feet go down from where they are, and the pelvis goes on falling as it did.
-            if self.feet.iter().all(FootState::flies_free) {
+            if self.feet.iter().all(FootState::flies_free) && !self.pelvis.falls() {
                 self.pelvis.land();
             }
+        }
+        if let Some(ground) = body.motion.lands_on.filter(|_| config.enabled && body.wanted && goal == 0.0) {
+            return self.come_down(body, pose, &animated, ground);
         }
         if self.weight < OFF {
             return self.fly_free(body, pose, &animated);
@@ -213,18 +216,6 @@ impl FootIk {
     /// Feet as the clips have them.
     fn animated(&self, body: &Body<'_>, pose: &CharacterPose) -> [AnimatedFoot; 2] {
         [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side], &self.feet[side]))
-    }
-
-    /// Leaves the pose as it is, and keeps up with it.
-    fn fly_free(&mut self, body: &Body<'_>, pose: &mut CharacterPose, animated: &[AnimatedFoot; 2]) {
-        self.placed = [None; 2];
-        self.legs = [LegResult::default(); 2];
-        self.pelvis.fly_free(body.hips(pose), body.dt);
-        for ((foot, animated), leg) in self.feet.iter_mut().zip(animated).zip(&body.asset.legs) {
-            foot.fly_free(animated, body.dt);
-            foot.pace.note(&pose.pose, leg, body.dt);
-            foot.soften.keep(&mut pose.pose, &body.asset.skeleton, leg, Limits::NONE, body.dt);
-        }
     }
 
     fn sink_pelvis(

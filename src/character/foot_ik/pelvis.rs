@@ -99,6 +99,27 @@ impl PelvisState {
         if matches!(self.fall, Fall::Over) { 0.0 } else { BENDS * (sinks - GENTLE).max(0.0) / length.max(1e-3) }
     }
 
+    /// Whether a fall is being stopped.
+    pub(super) fn falls(&self) -> bool {
+        !matches!(self.fall, Fall::Over)
+    }
+
+    /// One frame just over the ground, at the height `floor`, hips that else were at the height `hips`, both world: metres by
+    /// which they fall on, below (negative) or above the clip's.
+    pub(super) fn fall_on(&mut self, hips: f32, floor: f32, length: f32, dt: f32) -> f32 {
+        if !self.falls() {
+            self.land();
+        }
+        let last = self.hips.unwrap_or(Spring::at(hips));
+        let speed = (last.velocity + STOPS * dt).min(last.velocity.max(0.0));
+        let squat = floor + SQUAT * length;
+        self.offset = (last.value + 0.5 * (last.velocity + speed) * dt).max(squat) - hips;
+        self.fall = Fall::Stops { speed, own: None };
+        self.heave.let_go(hips + self.offset, dt);
+        self.note(hips + self.offset, dt);
+        self.offset
+    }
+
     /// One frame in the air, without ground, the hips joint at the world height `hips`.
     pub(super) fn fly_free(&mut self, hips: f32, dt: f32) {
         *self = Self { hips: self.hips, heave: self.heave, ..Self::default() };

@@ -31,15 +31,17 @@ pub(super) struct Limits {
     pub(super) jump: f32,
     /// Largest turn of a joint, radians.
     pub(super) turn: f32,
+    /// How much is kept, 0..1, of what is left of its way before.
+    pub(super) share: f32,
 }
 
 impl Limits {
     /// For who falls or stands in the air: no ground asks anything then.
-    pub(super) const NONE: Self = Self { jump: f32::MAX, turn: f32::MAX };
+    pub(super) const NONE: Self = Self { jump: f32::MAX, turn: f32::MAX, share: 0.0 };
 
     /// For a frame of `dt` seconds, while the clips are so lively.
     pub(super) fn of(clips: Peak, dt: f32) -> Self {
-        Self { jump: LIVELIER.0 * clips.velocity_jump, turn: LIVELIER.1 * clips.joint_speed * dt }
+        Self { jump: LIVELIER.0 * clips.velocity_jump, turn: LIVELIER.1 * clips.joint_speed * dt, share: 1.0 }
     }
 }
 
@@ -73,7 +75,8 @@ impl Soften {
         self.elapsed += dt;
         if self.elapsed < EASES {
             for (shown, (offset, speed)) in shown.iter_mut().zip(self.offsets) {
-                *shown = (from_scaled_axis(ebb(offset, speed * EASES, self.elapsed / EASES)) * *shown).normalize();
+                *shown = (from_scaled_axis(ebb(offset, speed * EASES, self.elapsed / EASES) * limits.share) * *shown)
+                    .normalize();
             }
             show(pose, skeleton, leg, shown);
         }
@@ -179,7 +182,7 @@ mod tests {
     #[test]
     fn a_leg_that_is_stopped_goes_on_for_a_moment() {
         // Toes hang 1.2 m below the hip: they stop from 3.6 m/s.
-        let angles = shown(Limits { jump: 1.5, turn: 1.0 }, 40, stops);
+        let angles = shown(Limits { jump: 1.5, turn: 1.0, share: 1.0 }, 40, stops);
         for (frame, three) in angles.windows(3).enumerate() {
             let jump = 1.2 * (three[2] - 2.0 * three[1] + three[0]).abs() / DT;
             assert!(jump < 1.55, "toes change their velocity by {jump} m/s in frame {frame}");
@@ -191,14 +194,15 @@ mod tests {
 
     #[test]
     fn a_leg_within_its_limits_is_where_it_is_asked_to_be() {
-        let angles = shown(Limits { jump: 4.0, turn: 0.06 }, 40, stops);
+        let angles = shown(Limits { jump: 4.0, turn: 0.06, share: 1.0 }, 40, stops);
         let off = angles.iter().enumerate().map(|(frame, angle)| (angle - stops(frame)).abs()).fold(0.0, f32::max);
         assert!(off < 1e-6, "{off} rad off");
     }
 
     #[test]
     fn no_joint_turns_further_than_it_may() {
-        let angles = shown(Limits { jump: f32::MAX, turn: 0.1 }, 60, |frame| if frame < 5 { 0.0 } else { 0.8 });
+        let angles =
+            shown(Limits { jump: f32::MAX, turn: 0.1, share: 1.0 }, 60, |frame| if frame < 5 { 0.0 } else { 0.8 });
         let widest = angles.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f32::max);
         assert!(widest < 0.101, "turns by {widest} rad in a frame");
         assert!((angles[59] - 0.8).abs() < 1e-3, "comes to {} of 0.8", angles[59]);

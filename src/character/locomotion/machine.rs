@@ -212,7 +212,7 @@ impl Machine {
         }
         self.current = taken.to;
         self.time_in_state = 0.0;
-        self.fades.send_to(taken.to, if taken.blend == TransitionBlend::Inertialize { 0.0 } else { taken.fade });
+        self.fades.send_to(taken.to, if taken.blend == TransitionBlend::CrossFade { taken.fade } else { 0.0 });
     }
 
     fn run_clocks(&mut self, facts: &Facts<'_>, dt: f32) {

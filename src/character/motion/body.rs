@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::{footing::Support, frame::Frame, jump::JumpMemory};
+use super::{descent::Descent, footing::Support, frame::Frame, jump::JumpMemory};
 use crate::math::spring::Spring;
 
 /// The physical body, as opposed to the root that is shown: the capsule touches the ground to the last
@@ -21,6 +21,7 @@ pub(super) struct MotionBody {
     pub(super) velocity: Vec3,
     /// Velocity of the ground stood on, or last stood on, m/s.
     pub(super) frame_velocity: Vec3,
+    pub(super) descent: Descent,
     /// The ground stood on.
     pub(super) support: Option<Support>,
     /// Rise over run to where the next stride may land; the same or that of the ground below, smoothed.
@@ -59,6 +60,7 @@ impl Default for MotionBody {
             yaw: Spring::at(0.0),
             velocity: Vec3::ZERO,
             frame_velocity: Vec3::ZERO,
+            descent: Descent::default(),
             ahead: 0.0,
             grade: 0.0,
             support: None,

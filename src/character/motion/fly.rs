@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use super::{
     body::MotionBody,
     capsule::{MotionShapes, Posture},
+    descent::TOUCHING,
     footing::{Footing, Look, Support, footing},
     jump::cut_gravity,
     slide::Slider,
@@ -56,11 +57,13 @@ pub(super) fn fly(
     let to = slider.fly(body, &posture.flying, from, way);
     let mut velocity = velocity;
     if velocity.y <= 0.0 {
-        let look = Look { up: 0.0, down: SKIN * 3.0, highest: f32::INFINITY, limit_cos: slider.limit_cos };
+        let down = if body.descent.onto.is_some() { TOUCHING } else { SKIN * 3.0 };
+        let look = Look { up: 0.0, down, highest: f32::INFINITY, limit_cos: slider.limit_cos };
         let found = footing(slider.view, shapes, to, look);
         body.wedged = if (to - from).length() < 1e-3 && velocity.y < 0.0 { body.wedged + dt } else { 0.0 };
         match found {
-            Footing::Support(support) => {
+            // A ball is lowered a little further than asked.
+            Footing::Support(support) if to.y - support.height <= look.down + 1e-3 => {
                 body.wedged = 0.0;
                 return Flown { position: to.with_y(support.height), velocity, support: Some(support) };
             }

@@ -9,6 +9,7 @@
 mod body;
 mod capsule;
 mod casts;
+mod descent;
 mod field;
 mod fly;
 mod footing;
@@ -89,6 +90,8 @@ pub struct MotionState {
     pub grade_ahead: f32,
     /// Seconds since the character last stood on ground; 0 when grounded.
     pub air_time: f32,
+    /// World height of the ground that a fall is about to end on, while the legs slow it; `None` otherwise.
+    pub lands_on: Option<f32>,
     /// Speed of the last landing, downward, m/s.
     pub landing_speed: f32,
     /// Counts jumps; a change tells later stages that one has begun.

@@ -73,6 +73,7 @@ pub(super) fn report(body: &MotionBody, state: &mut MotionState, dt: f32) {
         normal: support.normal,
         velocity: body.frame_velocity,
     });
+    state.lands_on = body.descent.onto;
     state.air_time = if body.support.is_some() { 0.0 } else { state.air_time + dt };
     state.crouched = body.crouched;
     state.yaw_rate = match body.written {

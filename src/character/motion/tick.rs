@@ -8,7 +8,7 @@ use super::{
     body::{Anchor, MotionBody, Push, Written},
     capsule::MotionShapes,
     fly::{air_velocity, fly},
-    footing::Support,
+    footing::{Footing, Look, Support, footing},
     jump::jump_speed,
     planes::Planes,
     report::{follow_ground, refuse_nonsense, report},
@@ -309,6 +309,7 @@ impl Tick<'_> {
         }
         body.grade = damp(body.grade, 0.0, GRADE_HALF_LIFE, self.dt);
         let velocity = air_velocity(body.velocity, &self.intent, body.jumping, self.config, self.dt);
+        let velocity = self.descend(body, velocity, slider.limit_cos);
         slider.velocity = velocity + body.frame_velocity;
         let flown = fly(slider, body, self.shapes, self.shapes.posture(body.crouched), velocity);
         body.velocity = flown.velocity;
@@ -316,8 +317,23 @@ impl Tick<'_> {
         body.position = flown.position;
         body.support = flown.support;
         if flown.support.is_some() {
-            state.landing_speed = -flown.velocity.y;
+            state.landing_speed = core::mem::take(&mut body.descent).fastest;
         }
+    }
+
+    /// The velocity of a fall whose end may be near.
+    fn descend(&self, body: &mut MotionBody, velocity: Vec3, limit_cos: f32) -> Vec3 {
+        let from = body.position;
+        let ground = |down| match footing(
+            &self.view,
+            self.shapes,
+            from,
+            Look { up: 0.0, down, highest: f32::INFINITY, limit_cos },
+        ) {
+            Footing::Support(support) => Some(support.height),
+            _ => None,
+        };
+        velocity.with_y(-body.descent.slowed(from.y, (-body.velocity.y, -velocity.y), ground, self.dt))
     }
 
     /// Goes along with what the ground does during this tick; velocity becomes relative to it.

@@ -106,8 +106,10 @@ pub enum TransitionBlend {
     /// Both play, weights move over. The default; right between gaits that share a phase.
     #[default]
     CrossFade,
-    /// Only the new one plays, the old pose's offset decays. Right for sudden changes such as landings.
+    /// Only the new one plays; the pose goes on as it moved and eases into it. Right for sudden changes such as landings.
     Inertialize,
+    /// The same, but the new one's own motion is seen at once. Right for what bursts forth, such as a jump.
+    Burst,
 }
 
 /// When a transition is taken.

@@ -101,7 +101,7 @@ fn all<const N: usize>(conditions: [Condition; N]) -> Condition {
 
 fn in_the_air() -> Vec<TransitionConfig> {
     vec![
-        sudden(&[], "jump", Jumped, 0.25),
+        TransitionConfig { blend: TransitionBlend::Burst, ..change(&[], "jump", Jumped, 0.25) },
         change(&[STILL, GOING, CROUCHED, LANDING], "fall", AirborneFor(0.12), 0.25),
         change(&[&["jump"]], "fall", FallingFaster(1.0), 0.25),
         change(&[&["jump"]], "fall", Finished, 0.25),
