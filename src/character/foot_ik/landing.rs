@@ -85,6 +85,8 @@ impl Landing {
         let ball = self.follow(ball, time_left, first, around.dt);
         self.probe(ball, forward, around);
         let print = self.probed.and_then(|(_, print)| print);
+        let on = print.map(|print| print.ball.entity);
+        self.ground = on.and_then(|on| Some((on, around.frames.frame(on)?)));
         let half_life = if first { 0.0 } else { FOLLOW.min(0.25 * time_left).max(0.01) };
         self.shift = damp(self.shift, self.wanted_shift, half_life, around.dt);
         let level = print.map_or(height, |print| print.ball.point.y);
@@ -120,14 +122,13 @@ impl Landing {
     /// The ground has moved since the last frame, and carries along a place that is told as it is now. A landing that is foreseen
     /// is told as it will be, with all that the ground carries it.
     pub(super) fn ride(&mut self, frames: &impl GroundFrames) {
-        let on = self.probed.and_then(|(_, print)| print).map(|print| print.ball.entity);
-        let now = on.and_then(|on| Some((on, frames.frame(on)?)));
-        let before = core::mem::replace(&mut self.ground, now);
-        if let (Some((was, before)), Some((on, now))) = (before, now)
-            && was == on
-        {
-            self.clip += (now * (before.inverse() * self.place) - self.place).with_y(0.0);
-        }
+        self.clip += self.carried(self.place, frames) - self.place;
+    }
+
+    /// Where `point`, world, is now that moved with the ground there since the last frame; its height stays.
+    pub(super) fn carried(&self, point: Vec3, frames: &impl GroundFrames) -> Vec3 {
+        let moved = self.ground.and_then(|(on, before)| Some(frames.frame(on)? * (before.inverse() * point)));
+        moved.map_or(point, |moved| moved.with_y(point.y))
     }
 
     /// How far, 0..1, the place is a step down from ground at `takeoff`, rather than further down one slope.

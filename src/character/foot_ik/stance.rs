@@ -30,6 +30,7 @@ impl FootState {
     /// Takes hold of the ground where the foot is now.
     pub(super) fn lock<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
         self.carry.end();
+        self.placed_ball = self.landing.carried(self.placed_ball, around.frames);
         self.aside = flat(self.placed_ball - foot.ball).length();
         // After a step of its own a foot takes its weight by and by.
         self.forefoot = if matches!(self.mode, Mode::Stepping { .. }) { 0.0 } else { 1.0 };
