@@ -79,6 +79,27 @@ pub fn keeping_feet(pose: &mut Pose, skeleton: &Skeleton, legs: &[Leg; 2], chang
     }
 }
 
+/// Bends, radians, below which no knee straightens (a leg stretched by 0.995), and from which on it resists.
+const STRAIGHT: (f32, f32) = (0.2, 0.23);
+
+/// Bends a knee that is straighter than a leg stretches, or bent backward: what is left of a quick stretch may carry it there.
+/// The foot keeps its turn.
+pub fn keep_bent(pose: &mut Pose, skeleton: &Skeleton, leg: &Leg) {
+    let (least, soft) = STRAIGHT;
+    let [hip, knee, ankle] = leg.joints().map(|joint| pose.position(joint));
+    let (thigh, shin) = (knee - hip, ankle - knee);
+    let hinge = pose.rotation(leg.upper) * leg.knee_axis;
+    let bend = ops::atan2(thigh.cross(shin).dot(hinge), thigh.dot(shin));
+    if bend < soft {
+        let more = least + (soft - least) * ops::exp((bend - soft) / (soft - least)) - bend;
+        // All turns are about one axis, so each may be made in the frame that its joint had.
+        for (joint, share) in leg.joints().into_iter().zip([-0.5, 1.0, -0.5]) {
+            pose.rotate_model(skeleton, joint, from_scaled_axis(hinge * (more * share)));
+        }
+        pose.update_model_below(skeleton, leg.upper);
+    }
+}
+
 /// Angle in radians by which the heel lifts about the ball so that the ankle comes within `reach` of the hip.
 ///
 /// 0 where it is within reach already. Never so far that lifting stops to help: the nearer foot and hip are to one line,

@@ -4,10 +4,7 @@
 //! and crouching by 6 cm. So feet are blended by their own place and turn in model space, and the legs set onto them.
 //! Metres, +Y up, the character faces -Z.
 
-use bevy::{
-    math::{Vec3A, ops},
-    prelude::*,
-};
+use bevy::{math::Vec3A, prelude::*};
 
 use crate::{
     anim::{
@@ -17,7 +14,6 @@ use crate::{
         skeleton::{JointTransform, Skeleton},
     },
     character::legs::{CLIP_EXTENSION, LegJoints, place_leg},
-    math::rotation::from_scaled_axis,
 };
 
 /// Left and right ankle joint in model space.
@@ -43,28 +39,6 @@ impl BlendedFeet {
             let ankle = pose.position(leg.foot) + wanted.translation - blended.translation;
             let rotation = wanted.rotation * blended.rotation.inverse() * pose.rotation(leg.foot);
             place_leg(pose, skeleton, joints, ankle, rotation, Vec3::NEG_Z, CLIP_EXTENSION);
-        }
-    }
-}
-
-/// Bends, radians, below which no knee straightens (a leg stretched by 0.995), and from which on it resists.
-const STRAIGHT: (f32, f32) = (0.2, 0.23);
-
-/// Bends knees that are straighter than a leg stretches, or bent backward: what is left of a quick stretch may carry them there.
-pub(super) fn keep_bent(pose: &mut Pose, skeleton: &Skeleton, legs: &[Leg; 2]) {
-    let (least, soft) = STRAIGHT;
-    for leg in legs {
-        let [hip, knee, ankle] = leg.joints().map(|joint| pose.position(joint));
-        let (thigh, shin) = (knee - hip, ankle - knee);
-        let hinge = pose.rotation(leg.upper) * leg.knee_axis;
-        let bend = ops::atan2(thigh.cross(shin).dot(hinge), thigh.dot(shin));
-        if bend < soft {
-            let more = least + (soft - least) * ops::exp((bend - soft) / (soft - least)) - bend;
-            // All turns are about one axis, so each may be made in the frame that its joint had.
-            for (joint, share) in leg.joints().into_iter().zip([-0.5, 1.0, -0.5]) {
-                pose.rotate_model(skeleton, joint, from_scaled_axis(hinge * (more * share)));
-            }
-            pose.update_model_below(skeleton, leg.upper);
         }
     }
 }

@@ -13,7 +13,9 @@ pub use actions::Actions;
 pub use balance::{Balance, wanted_lean, wanted_stoop};
 pub use morphs::{MorphScratch, morph_weights};
 
-use super::{Character, bind::CharacterAssets, detail::Pacing, locomotion::Locomotion, schedule::PoseSystems};
+use super::{
+    Character, bind::CharacterAssets, detail::Pacing, legs::keep_bent, locomotion::Locomotion, schedule::PoseSystems,
+};
 use feet::BlendedFeet;
 
 use crate::{
@@ -69,7 +71,9 @@ impl CharacterPose {
         let eases = self.inertializer.apply(self.pose.locals_mut(), dt);
         self.pose.update_model_of(&asset.skeleton, &asset.trunk);
         if eases {
-            feet::keep_bent(&mut self.pose, &asset.skeleton, &asset.legs);
+            for leg in &asset.legs {
+                keep_bent(&mut self.pose, &asset.skeleton, leg);
+            }
         }
         if let Some(blended) = blended {
             self.feet.correct(&mut self.pose, &asset.skeleton, &asset.legs, &blended);

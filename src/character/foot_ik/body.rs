@@ -15,7 +15,7 @@ use crate::{
     anim::{ik::two_bone::Extension, leg::Leg, peak::Peak},
     character::{
         animator::CharacterPose,
-        legs::{LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg},
+        legs::{CLIP_EXTENSION, LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg},
         locomotion::Locomotion,
         motion::MotionState,
         sole::sole_model,
@@ -28,6 +28,8 @@ use crate::{
 const HEEL: (f32, f32) = (8.0, 0.06);
 /// How much of the effect is on from which on legs are kept from jumping: one that fades lets go of the ground.
 const ON: f32 = 0.99;
+/// Metres over the ground up to which a late foot is lifted, if it is asked to be there.
+const LATE_CLEARS: f32 = 0.015;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
@@ -219,6 +221,9 @@ impl Body<'_> {
         let fastest = self.locomotion.leg_speed(self.asset).max(hurry);
         let asked = pose.pose.position(leg.foot);
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
+        if foot.plant().is_none() && foot.pace.is_late() {
+            self.lift_late(pose, leg, placed);
+        }
         let limits = if hurry > 0.0 || weight < ON {
             Limits { share: weight, ..Limits::NONE }
         } else {
@@ -229,5 +234,20 @@ impl Body<'_> {
         foot.missed = result.missed;
         foot.behind = pose.pose.position(leg.foot).distance(asked);
         result
+    }
+
+    /// Lifts the foot of a leg that is late over the ground under it: the knee bends further instead.
+    fn lift_late(&self, pose: &mut CharacterPose, leg: &Leg, placed: &PlacedFoot) {
+        let over = |point: Vec3| point.y - placed.plane.height(point);
+        let lowest = |points: [Vec3; 3]| points.map(over).into_iter().fold(f32::MAX, f32::min);
+        let world_from_model = self.root.to_isometry();
+        let made = sole_model(&pose.pose, leg).map(|point| world_from_model * point);
+        let lift = lowest(placed.sole).min(LATE_CLEARS) - lowest(made);
+        if lift > 0.0 {
+            let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
+            let ankle = pose.pose.position(leg.foot) + Vec3::Y * lift;
+            let rotation = pose.pose.rotation(leg.foot);
+            place_leg(&mut pose.pose, &self.asset.skeleton, joints, ankle, rotation, Vec3::NEG_Z, CLIP_EXTENSION);
+        }
     }
 }

@@ -214,7 +214,7 @@ impl FootState {
         let lowest = |points: [Vec3; 3]| points[0].y.min(points[1].y).min(points[2].y);
         let asked = lowest(placed.sole) - placed.ankle.y;
         let made = lowest(sole_model(pose, leg)) - pose.position(leg.foot).y;
-        self.droops = if self.pace.is_late() { (asked - made).max(0.0) } else { 0.0 };
+        self.droops = if self.pace.is_late() || self.soften.eases() { (asked - made).max(0.0) } else { 0.0 };
     }
 
     /// In the air it goes another way from here.

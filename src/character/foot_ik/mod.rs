@@ -60,6 +60,9 @@ const RISING: f32 = 0.5;
 /// Reach that the pelvis leaves to a lifted heel, as a fraction of the leg.
 const HEEL_SLACK: f32 = 0.02;
 
+/// Seconds within which what happens is seen as one moment, however many frames show it.
+const SEEN: f32 = 1.0 / 60.0;
+
 /// Share of the effect below which it is off.
 const OFF: f32 = 0.01;
 
@@ -143,7 +146,7 @@ fn plant(
             let wanted = detail.is_none_or(|detail| detail.feet);
             // Landings turn with the body; one that begins to turn would throw them about.
             ik.turns = damp(ik.turns, motion.yaw_rate, TURNS_HALF_LIFE, dt);
-            let clips = locomotion.liveliest(asset, dt);
+            let clips = locomotion.liveliest(asset, dt.max(SEEN));
             let body = Body { root, motion, locomotion, asset, wanted, dt, turns: ik.turns, clips };
             if pacing.is_some_and(|pacing| pacing.returns) {
                 ik.reset();

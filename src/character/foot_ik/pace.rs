@@ -5,13 +5,14 @@
 
 use bevy::prelude::*;
 
+use super::SEEN;
 use crate::{
     anim::{leg::Leg, pose::Pose, skeleton::Skeleton},
     math::rotation::{angle_between, to_scaled_axis},
 };
 
 /// How much faster than in the clips a leg may move: up to twice looks like the clip.
-const LIVELIER: f32 = 1.7;
+const LIVELIER: f32 = 1.67;
 /// Seconds in which a leg at rest may come to move as fast as it may.
 const STARTS: f32 = 0.0285;
 /// Seconds for which a leg that has come down still moves as in the air.
@@ -121,7 +122,7 @@ fn share(asked: Vec3, last: Vec3, most: f32, dt: f32) -> f32 {
     if angle < 1e-6 {
         return 1.0;
     }
-    let more = most * dt / STARTS;
+    let more = most * dt.max(SEEN) / STARTS;
     // The largest share with |share·asked - last| ≤ more.
     let along = asked.dot(last) / angle;
     let reach = along * along - last.length_squared() + more * more;

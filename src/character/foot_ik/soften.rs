@@ -12,6 +12,7 @@ use crate::{
         pose::Pose,
         skeleton::{JointIndex, Skeleton},
     },
+    character::legs::keep_bent,
     math::{
         fade::ebb,
         rotation::{angle_between, from_scaled_axis, to_scaled_axis},
@@ -20,7 +21,7 @@ use crate::{
 
 /// How much more than in the clips a leg's velocity may change, and how much faster its joints may turn: up to twice looks
 /// like the clip.
-const LIVELIER: (f32, f32) = (1.7, 1.9);
+const LIVELIER: (f32, f32) = (1.7, 1.8);
 /// Seconds in which a leg eases into what is asked.
 const EASES: f32 = 0.1;
 
@@ -78,7 +79,7 @@ impl Soften {
                 *shown = (from_scaled_axis(ebb(offset, speed * EASES, self.elapsed / EASES) * limits.share) * *shown)
                     .normalize();
             }
-            show(pose, skeleton, leg, shown);
+            shown = show(pose, skeleton, leg, shown);
         }
         if let Some((last, (turns, velocities))) = self.last.and_then(|last| Some((last, last.speeds?))) {
             let moved = places(pose, leg).into_iter().zip(last.places);
@@ -96,10 +97,15 @@ impl Soften {
                     self.offsets[index] = (turn_between(asked[index], *shown), speed / dt);
                 }
                 self.elapsed = 0.0;
-                show(pose, skeleton, leg, shown);
+                shown = show(pose, skeleton, leg, shown);
             }
         }
         self.note(asked, shown, places(pose, leg), dt);
+    }
+
+    /// Whether the leg isn't quite as it is asked to be.
+    pub(super) fn eases(&self) -> bool {
+        self.elapsed < EASES
     }
 
     fn note(&mut self, asked: [Quat; 4], rotations: [Quat; 4], places: [Vec3; 3], dt: f32) {
@@ -124,13 +130,16 @@ fn places(pose: &Pose, leg: &Leg) -> [Vec3; 3] {
     [knee, ankle, toes].map(|joint| pose.position(joint))
 }
 
-fn show(pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, rotations: [Quat; 4]) {
+/// Turns the joints so, as far as a knee goes; gives how they are turned then.
+fn show(pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, rotations: [Quat; 4]) -> [Quat; 4] {
     for (joint, rotation) in joints(leg).into_iter().zip(rotations) {
         let mut local = pose.local(joint);
         local.rotation = rotation;
         pose.set_local(joint, local);
     }
     pose.update_model_below(skeleton, leg.upper);
+    keep_bent(pose, skeleton, leg);
+    joints(leg).map(|joint| pose.local(joint).rotation)
 }
 
 /// The turn that takes `from` to `to`, axis times radians.

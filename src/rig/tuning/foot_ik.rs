@@ -39,7 +39,7 @@ pub struct FootIkConfig {
     pub landing_shift: f32,
     /// Most that the pelvis sinks so that the lower foot reaches, metres. Default 0.4.
     pub pelvis_drop: f32,
-    /// Half-life of the pelvis' spring, seconds. Default 0.09.
+    /// Half-life of the pelvis' spring, seconds. Default 0.065.
     ///
     /// Short: the body follows every stone. Long: it floats, and legs stretch.
     pub pelvis_half_life: f32,
@@ -74,7 +74,7 @@ impl Default for FootIkConfig {
             clearance: 0.03,
             landing_shift: 0.2,
             pelvis_drop: 0.4,
-            pelvis_half_life: 0.09,
+            pelvis_half_life: 0.065,
             pelvis_extension: 0.97,
             extension: (0.98, 0.995),
             align_half_life: 0.06,
