@@ -64,6 +64,7 @@ impl Heave {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bevy::math::ops;
 
     const DT: f32 = 1.0 / 60.0;
 
@@ -94,7 +95,7 @@ mod tests {
     #[test]
     fn a_stride_is_left_alone_and_so_is_a_fall() {
         // 4 cm up and down 2.5 times a second: 10 m/s².
-        let stride = |frame: usize| 0.9 + 0.04 * (core::f32::consts::TAU * 2.5 * frame as f32 * DT).sin();
+        let stride = |frame: usize| 0.9 + 0.04 * ops::sin(core::f32::consts::TAU * 2.5 * frame as f32 * DT);
         for (heights, asked) in [(shown(false, stride), &stride as &dyn Fn(usize) -> f32), (shown(true, sinks), &sinks)]
         {
             let off =
