@@ -63,7 +63,10 @@ fn seen(name: &str, path: &Path) -> Seen {
     let theirs = studio.world().spawn((WorldAssetRoot(server.load(scene)), place)).id();
     until(&mut studio, name, |world| world.get::<Children>(theirs).is_some());
     if !rig.clips.is_empty() {
-        let (graph, node) = AnimationGraph::from_clip(server.load(clip));
+        let clip: Handle<AnimationClip> = server.load(clip);
+        // A clip that nobody held is loaded anew, on a busy machine after the picture.
+        until(&mut studio, name, |world| world.resource::<Assets<AnimationClip>>().contains(&clip));
+        let (graph, node) = AnimationGraph::from_clip(clip);
         let graph = studio.add(graph);
         let players: Vec<Entity> = {
             let world = studio.world();
