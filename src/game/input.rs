@@ -160,7 +160,16 @@ fn level_forward(view: Vec3) -> Vec3 {
 mod tests {
     use super::*;
     use crate::character::schedule::SchedulePlugin;
-    use bevy::{input::InputPlugin, time::TimeUpdateStrategy};
+    use bevy::{
+        input::{
+            InputPlugin,
+            gamepad::{
+                GamepadConnection, GamepadConnectionEvent, RawGamepadAxisChangedEvent, RawGamepadButtonChangedEvent,
+                RawGamepadEvent,
+            },
+        },
+        time::TimeUpdateStrategy,
+    };
 
     /// An app with a player and a camera that looks to +X and 45° down.
     fn app() -> (App, Entity) {
@@ -253,6 +262,64 @@ mod tests {
         app.world_mut().resource_mut::<ButtonInput<KeyCode>>().press(KeyCode::KeyH);
         app.update();
         app.update();
+        assert!(app.world().get::<animator::Actions>(player).unwrap().is_playing("wave"), "no wave is asked for");
+    }
+
+    /// What a pad's driver reports, from the plug on.
+    struct Pad(Entity);
+
+    impl Pad {
+        fn plug(app: &mut App) -> Self {
+            let pad = app.world_mut().spawn_empty().id();
+            let (name, vendor_id, product_id) = ("Pad".into(), None, None);
+            let connection = GamepadConnection::Connected { name, vendor_id, product_id };
+            app.world_mut().write_message(RawGamepadEvent::Connection(GamepadConnectionEvent::new(pad, connection)));
+            app.update();
+            Self(pad)
+        }
+
+        fn tilt(&self, app: &mut App, axis: GamepadAxis, value: f32) {
+            let event = RawGamepadAxisChangedEvent::new(self.0, axis, value);
+            app.world_mut().write_message(RawGamepadEvent::Axis(event));
+        }
+
+        fn press(&self, app: &mut App, button: GamepadButton, value: f32) {
+            let event = RawGamepadButtonChangedEvent::new(self.0, button, value);
+            app.world_mut().write_message(RawGamepadEvent::Button(event));
+        }
+    }
+
+    #[test]
+    fn a_gamepad_walks_runs_dashes_and_presses_everything() {
+        let (mut app, player) = app();
+        app.world_mut().entity_mut(player).insert(animator::Actions::default());
+        let pad = Pad::plug(&mut app);
+        let intent = |app: &mut App| {
+            app.update();
+            app.update();
+            app.world().get::<MoveIntent>(player).unwrap().clone()
+        };
+        let config = MotionConfig::default();
+
+        pad.tilt(&mut app, GamepadAxis::LeftStickX, 1.0);
+        let wanted = intent(&mut app).velocity;
+        assert!(wanted.distance(Vec3::Z * config.walk_speed) < 1e-3, "the stick to its right wants {wanted}");
+        pad.press(&mut app, GamepadButton::RightTrigger2, 1.0);
+        let speed = intent(&mut app).velocity.length();
+        assert!((speed - config.run_speed).abs() < 1e-3, "the right trigger runs at {speed} m/s");
+        pad.press(&mut app, GamepadButton::RightTrigger2, 0.0);
+        pad.press(&mut app, GamepadButton::LeftThumb, 1.0);
+        let speed = intent(&mut app).velocity.length();
+        assert!((speed - config.sprint_speed).abs() < 1e-3, "a press of the stick sprints at {speed} m/s");
+        pad.press(&mut app, GamepadButton::LeftThumb, 0.0);
+        pad.tilt(&mut app, GamepadAxis::LeftStickX, 0.0);
+        assert_eq!(intent(&mut app), MoveIntent::default(), "the stick rests");
+
+        for button in [GamepadButton::South, GamepadButton::East, GamepadButton::LeftTrigger2, GamepadButton::DPadUp] {
+            pad.press(&mut app, button, 1.0);
+        }
+        let MoveIntent { jump, crouch, aim, .. } = intent(&mut app);
+        assert!(jump && crouch && aim.is_some(), "jump {jump}, crouch {crouch}, aim {aim:?}");
         assert!(app.world().get::<animator::Actions>(player).unwrap().is_playing("wave"), "no wave is asked for");
     }
 
