@@ -273,7 +273,7 @@ mod tests {
             let pad = app.world_mut().spawn_empty().id();
             let (name, vendor_id, product_id) = ("Pad".into(), None, None);
             let connection = GamepadConnection::Connected { name, vendor_id, product_id };
-            app.world_mut().write_message(RawGamepadEvent::Connection(GamepadConnectionEvent::new(pad, connection)));
+            app.world_mut().write_message(GamepadConnectionEvent::new(pad, connection));
             app.update();
             Self(pad)
         }

@@ -6,7 +6,7 @@ use bevy::{math::ops, prelude::*};
 
 use super::{
     foot::FootState,
-    ground::{Reach, SoleShape},
+    ground::{Probe, Reach, SoleShape},
     pelvis::LegReach,
     soften::Limits,
     surroundings::{AnimatedFoot, PlacedFoot},
@@ -29,7 +29,7 @@ const HEEL: (f32, f32) = (8.0, 0.06);
 /// How much of the effect is on from which on legs are kept from jumping: one that fades lets go of the ground.
 const ON: f32 = 0.99;
 /// Metres over the ground up to which a late foot is lifted, if it is asked to be there.
-const LATE_CLEARS: f32 = 0.015;
+const LATE_CLEARS: f32 = 0.02;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
@@ -173,6 +173,7 @@ impl Body<'_> {
         foot: &mut FootState,
         (weight, hurry): (f32, f32),
         config: &FootIkConfig,
+        probe: &impl Probe,
     ) -> LegResult {
         let (ankle_world, turn_world) = (placed.ankle, placed.turn);
         let leg = &self.asset.legs[side];
@@ -222,7 +223,7 @@ impl Body<'_> {
         let asked = pose.pose.position(leg.foot);
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
         if foot.plant().is_none() && foot.pace.is_late() {
-            self.lift_late(pose, leg, placed);
+            self.lift_late(pose, leg, placed, |point| self.reach(config).height(probe, point));
         }
         let limits = if hurry > 0.0 || weight < ON {
             Limits { share: weight, ..Limits::NONE }
@@ -237,8 +238,14 @@ impl Body<'_> {
     }
 
     /// Lifts the foot of a leg that is late over the ground under it: the knee bends further instead.
-    fn lift_late(&self, pose: &mut CharacterPose, leg: &Leg, placed: &PlacedFoot) {
-        let over = |point: Vec3| point.y - placed.plane.height(point);
+    fn lift_late(
+        &self,
+        pose: &mut CharacterPose,
+        leg: &Leg,
+        placed: &PlacedFoot,
+        ground: impl Fn(Vec3) -> Option<f32>,
+    ) {
+        let over = |point: Vec3| point.y - ground(point).unwrap_or_else(|| placed.plane.height(point));
         let lowest = |points: [Vec3; 3]| points.map(over).into_iter().fold(f32::MAX, f32::min);
         let world_from_model = self.root.to_isometry();
         let made = sole_model(&pose.pose, leg).map(|point| world_from_model * point);

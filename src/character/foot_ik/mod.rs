@@ -212,7 +212,8 @@ impl FootIk {
         let hurry = self.pelvis.bending(body.asset.leg_length);
         for side in 0..2 {
             let placed = PlacedFoot { ankle: ankles[side], ..placed[side] };
-            self.legs[side] = body.solve_leg(pose, side, &placed, &mut self.feet[side], (self.weight, hurry), config);
+            self.legs[side] =
+                body.solve_leg(pose, side, &placed, &mut self.feet[side], (self.weight, hurry), config, probe);
         }
     }
 
