@@ -115,11 +115,7 @@ impl FootState {
         self.landing = Landing::default();
         self.flight = Flight::from(self, foot);
         self.flight.leave(plant.map(|plant| plant.ground), around.frames);
-        if self.flight.leaves_late() {
-            self.carry.begin();
-        } else {
-            self.carry.lift_off();
-        }
+        self.carry.lift_off();
     }
 
     fn begin_step<P: Probe, G: GroundFrames>(

@@ -114,11 +114,6 @@ impl Flight {
         self.share
     }
 
-    /// Whether it left after the clip's foot had.
-    pub(super) fn leaves_late(&self) -> bool {
-        self.since > LATE
-    }
-
     /// How much what is right before the foot is in its way, 0..1.
     fn blocked(&self) -> f32 {
         (self.way.ahead() / BLOCKS).min(1.0)

@@ -151,12 +151,16 @@ impl Locomotion {
         }
     }
 
-    /// Largest angular speed in rad/s that hips, knees and ankles have in the clips that play, each by its weight; at least
-    /// that of a step.
+    /// Largest angular speed in rad/s that hips, knees and ankles have in the clips that play, each by its weight among those
+    /// that move legs; at least that of a step.
     #[must_use]
     pub fn leg_speed(&self, asset: &CharacterAsset) -> f32 {
-        let speed = |playing: Playing<'_>| playing.clip.gait.leg_speed * self.rate(&playing) * playing.weight;
-        self.playing(asset).map(speed).sum::<f32>().max(asset.step_speed())
+        let slowest = asset.step_speed();
+        let moves = self.playing(asset).filter(|playing| playing.clip.gait.leg_speed > slowest);
+        let (speed, weight) = moves.fold((0.0, 0.0), |(speed, weight), playing| {
+            (speed + playing.clip.gait.leg_speed * self.rate(&playing) * playing.weight, weight + playing.weight)
+        });
+        if weight > 0.0 { (speed / weight).max(slowest) } else { slowest }
     }
 
     /// The liveliest that any of the clips that play is in frames of `dt` seconds; at least as lively as a step.
