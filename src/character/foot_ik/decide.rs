@@ -7,7 +7,7 @@ use bevy::prelude::*;
 
 use super::{
     flight::{Flight, ease},
-    foot::{FootState, Mode, Release, anchor_world, flat},
+    foot::{FootState, Mode, Pivot, Release, anchor_world, flat},
     ground::Probe,
     landing::Landing,
     surroundings::{AnimatedFoot, GroundFrames, Surroundings},
@@ -51,13 +51,12 @@ impl FootState {
                 let Some(anchor) = anchor_world(&plant, around.frames) else {
                     return self.release(Release::LostGround, foot, around);
                 };
-                if foot.contact < 0.5 {
+                if foot.contact < 0.5 && !around.halts {
+                    return self.release(Release::ContactEnded, foot, around);
+                }
+                if foot.contact < 0.5 && around.other.is_some() {
                     // Who stops makes the last step himself: a swing that fades would only drag the foot.
-                    return if around.halts {
-                        self.begin_step(Release::ContactEnded, foot, around);
-                    } else {
-                        self.release(Release::ContactEnded, foot, around);
-                    };
+                    return self.begin_step(Release::ContactEnded, foot, around);
                 }
                 let error = flat(anchor - foot.point(plant.pivot)).length();
                 let turned = self.yaw_offset.abs();
@@ -66,8 +65,8 @@ impl FootState {
                 let patience = if around.may_restep { 1.0 } else { PATIENCE };
                 if self.missed > MISSES || self.behind > SLIDES {
                     self.begin_step(Release::TooFar, foot, around);
-                } else if foot.contact < 0.9 || !around.other_holds {
-                    // Half lifted already, or the only foot on the ground.
+                } else if foot.contact < 0.9 || matches!(around.other, None | Some(Pivot::Tip)) {
+                    // Half lifted already, or the other is or soon will be.
                 } else if error > patience * config.unplant_radius {
                     self.begin_step(Release::TooFar, foot, around);
                 } else if turned > patience * config.unplant_yaw {

@@ -40,8 +40,6 @@ const TOES_DOWN: f32 = 0.4;
 const POINTS: (f32, f32) = (0.3, 0.5);
 /// Half-life in seconds in which toes follow a landing that was foreseen anew.
 const FOLLOWS: f32 = 0.02;
-/// Share of a step at both ends in which the foot only lifts or lowers.
-const UP: f32 = 0.15;
 /// Seconds that a metre of height takes in a step of its own.
 const CLIMBS: f32 = 2.0;
 /// Metres of a way that is too short to tell by place how much of it is done.
@@ -171,8 +169,7 @@ impl FootState {
         let share = (elapsed / seconds).clamp(0.0, 1.0);
         self.flight.share = share;
         let time_left = (seconds - elapsed).max(0.0);
-        // Up before it goes over, and down after.
-        let eased = ease(((share - UP) / (1.0 - 2.0 * UP)).clamp(0.0, 1.0));
+        let eased = ease(share);
         let ball = self.flight.takeoff.lerp(self.landing.place, eased);
         let arc = 4.0 * share * (1.0 - share);
         self.flight.lift = self.flight.arc * around.config.step_height * arc * arc;

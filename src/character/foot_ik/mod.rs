@@ -200,7 +200,7 @@ impl FootIk {
                 sole: self.soles[side],
                 config,
                 dt: body.dt,
-                other_holds: self.feet[1 - side].plant().is_some(),
+                other: self.feet[1 - side].plant().map(|plant| plant.pivot),
                 halts: body.halts(),
                 may_restep: body.stands(),
             };

@@ -77,8 +77,8 @@ pub struct Surroundings<'a, P, G> {
     pub config: &'a FootIkConfig,
     /// Seconds since the last frame.
     pub dt: f32,
-    /// Whether the other foot holds the ground.
-    pub other_holds: bool,
+    /// By what the other foot holds the ground; `None` while it is in the air.
+    pub other: Option<Pivot>,
     /// Whether what plays from now on doesn't step: feet in the air come down by themselves.
     pub halts: bool,
     /// Whether the character stands, so that the foot may correct its place.
