@@ -45,6 +45,24 @@ fn walking_up_and_down_stairs() {
 }
 
 #[test]
+fn who_walks_and_stops_always_has_a_foot_on_the_ground() {
+    for hertz in [30.0, 60.0, 144.0] {
+        let mut stage = Stage::on(&World::flat());
+        let walker = stage.spawn_walker().expect("the mannequin loads");
+        stage.set_frame_rate(hertz);
+        stage.run_for(0.5);
+        let tape = Tape::of("stop", 3.0, &[(0.5, Vec3::NEG_Z * 1.4), (1.5, Vec3::ZERO)]);
+        for frame in 0..(tape.seconds * hertz) as usize {
+            let time = frame as f32 / hertz;
+            stage.intend(walker, tape.intent_at(time));
+            stage.app().update();
+            let feet = &stage.get::<FootIk>(walker).expect("it has feet").feet;
+            assert!(feet.iter().any(|foot| foot.plant().is_some()), "{hertz} Hz: both feet are lifted at {time:.2} s");
+        }
+    }
+}
+
+#[test]
 fn standing_on_stairs() {
     let mut stage = Stage::on(&World::stairs_up(12, 0.17, 0.29));
     let walker = stage.spawn_walker().expect("the mannequin loads");
