@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use surefoot::{
-    character::{animator::CharacterPose, foot_ik::FootIk, sole::sole_model},
+    character::{Character, animator::CharacterPose, foot_ik::FootIk, sole::sole_model},
     measure::summary::Measures,
     rig::character::CharacterAsset,
     testing::{Stage, Tape, World},
@@ -58,6 +58,54 @@ fn who_walks_and_stops_always_has_a_foot_on_the_ground() {
             stage.app().update();
             let feet = &stage.get::<FootIk>(walker).expect("it has feet").feet;
             assert!(feet.iter().any(|foot| foot.plant().is_some()), "{hertz} Hz: both feet are lifted at {time:.2} s");
+        }
+    }
+}
+
+/// Plays `tape` and tells, of each frame, how high over the root the hips are, and where the ankles are in model space.
+fn hips_and_ankles(world: &World, tape: &Tape, hertz: f32) -> Vec<(f32, [Vec3; 2])> {
+    let mut stage = Stage::on(world);
+    let walker = stage.spawn_walker().expect("the mannequin loads");
+    let character = stage.get::<Character>(walker).expect("it is one").0.clone();
+    let assets = stage.app().world().resource::<Assets<CharacterAsset>>();
+    let asset = assets.get(&character).expect("it is loaded");
+    let (hips, ankles) = (asset.hips, [asset.legs[0].foot, asset.legs[1].foot]);
+    stage.set_frame_rate(hertz);
+    stage.run_for(0.5);
+    let frames = 0..(tape.seconds * hertz) as usize;
+    frames
+        .map(|frame| {
+            stage.intend(walker, tape.intent_at(frame as f32 / hertz));
+            stage.app().update();
+            let pose = &stage.get::<CharacterPose>(walker).expect("it is posed").pose;
+            (pose.position(hips).y, ankles.map(|ankle| pose.position(ankle)))
+        })
+        .collect()
+}
+
+#[test]
+fn at_few_frames_a_second_bodies_hold_together() {
+    let (flat, stairs) = (World::flat(), World::stairs_up(12, 0.17, 0.29));
+    for hertz in [4.0, 10.0, 16.0, 24.0, 27.0] {
+        for (world, tape) in [
+            (&flat, Tape::run()),
+            (&flat, Tape::jump()),
+            (&flat, Tape::start_stop()),
+            (&flat, Tape::pivot()),
+            (&stairs, Tape::walk()),
+        ] {
+            for (frame, (hips, ankles)) in hips_and_ankles(world, &tape, hertz).into_iter().enumerate() {
+                let case = format!("{} / {} at {hertz} Hz, frame {frame}", world.name, tape.name);
+                assert!((0.4..1.15).contains(&hips), "{case}: hips are {hips:.2} m over the root");
+                for ankle in ankles {
+                    let aside = ankle.x.abs();
+                    assert!(
+                        aside < 0.65 && ankle.y < 0.8,
+                        "{case}: an ankle is {aside:.2} m aside, {:.2} m up",
+                        ankle.y
+                    );
+                }
+            }
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use bevy::prelude::*;
 
+use super::LONG;
 use crate::math::fade::ebb;
 
 /// Seconds of the longest and the shortest easing.
@@ -96,6 +97,9 @@ impl Carry {
     }
 
     fn eased(&mut self, new: Vec3, left: f32, dt: f32) -> Vec3 {
+        if dt >= LONG {
+            self.end();
+        }
         let Track { place, velocity: old } = if self.brief { self.tip } else { self.ankle };
         match self.phase {
             Phase::Over => Vec3::ZERO,

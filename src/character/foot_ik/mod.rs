@@ -63,6 +63,9 @@ const HEEL_SLACK: f32 = 0.02;
 /// Seconds within which what happens is seen as one moment, however many frames show it.
 const SEEN: f32 = 1.0 / 60.0;
 
+/// Seconds of a frame from which on no motion is carried over into the next: at 25 frames a second nobody sees it go on.
+const LONG: f32 = 1.0 / 25.0;
+
 /// Share of the effect below which it is off.
 const OFF: f32 = 0.01;
 

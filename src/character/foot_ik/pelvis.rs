@@ -6,7 +6,7 @@
 
 use bevy::prelude::*;
 
-use super::{heave::Heave, ride::Ride};
+use super::{LONG, heave::Heave, ride::Ride};
 use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
 
 /// Half-life in seconds in which the body follows a change of the slope that it rides over.
@@ -107,6 +107,10 @@ impl PelvisState {
     /// One frame just over the ground, at the height `floor`, hips that else were at the height `hips`, both world: metres by
     /// which they fall on, below (negative) or above the clip's.
     pub(super) fn fall_on(&mut self, hips: f32, floor: f32, length: f32, dt: f32) -> f32 {
+        if dt >= LONG {
+            self.fly_free(hips, dt);
+            return 0.0;
+        }
         if !self.falls() {
             self.land();
         }
@@ -137,6 +141,9 @@ impl PelvisState {
     ///
     /// The pelvis goes on as it did, then slows evenly, the harder the less room there is, then comes back.
     fn stop_fall(&mut self, hips: f32, lowest: f32, dt: f32) -> f32 {
+        if dt >= LONG {
+            self.fall = Fall::Over;
+        }
         let Some(last) = self.hips else { return 0.0 };
         let most = (hips - lowest).max(0.0);
         match self.fall {

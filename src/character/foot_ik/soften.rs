@@ -5,6 +5,7 @@
 
 use bevy::prelude::*;
 
+use super::LONG;
 use crate::{
     anim::{
         leg::Leg,
@@ -42,6 +43,9 @@ impl Limits {
 
     /// For a frame of `dt` seconds, while the clips are so lively.
     pub(super) fn of(clips: Peak, dt: f32) -> Self {
+        if dt >= LONG {
+            return Self::NONE;
+        }
         Self { jump: LIVELIER.0 * clips.velocity_jump, turn: LIVELIER.1 * clips.joint_speed * dt, share: 1.0 }
     }
 }
