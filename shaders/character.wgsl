@@ -2,8 +2,9 @@
 // morph targets, then the skin, then the entity's transform.
 #import bevy_pbr::{mesh_functions, view_transformations::position_world_to_clip}
 #import surefoot::skinning
+#import bevy_pbr::mesh_bindings::mesh
 #ifdef MORPH_TARGETS
-#import bevy_pbr::{mesh_bindings::mesh, morph}
+#import bevy_pbr::morph
 #endif
 #ifdef PREPASS_PIPELINE
 #import bevy_pbr::prepass_io::VertexOutput
@@ -143,8 +144,8 @@ fn vertex(v: Vertex) -> VertexOutput {
     out.world_normal = skinning::skin_normal(world_from_mesh, normal);
 #endif
 #ifdef VERTEX_TANGENTS
-    tangent = vec4<f32>(skinning::skin_tangent(model_from_mesh, tangent.xyz), tangent.w);
-    out.world_tangent = mesh_functions::mesh_tangent_local_to_world(world_from_model, tangent, instance);
+    let handedness = tangent.w * mesh_functions::sign_determinant_model_3x3m(mesh[instance].flags);
+    out.world_tangent = vec4<f32>(skinning::skin_tangent(world_from_mesh, tangent.xyz), handedness);
 #endif
 #ifdef VERTEX_UVS_A
     out.uv = v.uv;

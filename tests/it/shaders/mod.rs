@@ -1,13 +1,15 @@
-//! The functions of `shaders/skinning.wgsl`, run on the GPU over whole meshes and held against `anim::skin`.
+//! The vertex stage of `shaders/character.wgsl`, run on the GPU over whole meshes and held against `anim::skin`.
 
-mod bench;
+mod mannequin;
+mod stage;
+mod stand_ins;
 
 use bevy::{
-    math::{Affine3A, Quat, Vec3, Vec4, ops},
+    math::{Affine3A, Mat4, Quat, Vec3, Vec4, ops},
     mesh::{Mesh, VertexAttributeValues},
 };
 use surefoot::{
-    anim::skin::{Influences, SkinVertex, skinned},
+    anim::skin::{Influences, MorphDelta, SkinVertex, morphed, skinned},
     skinning::{
         JointMatrix, SkinArena, SkinRange,
         mesh::{ATTRIBUTE_SKIN_SLOTS, ATTRIBUTE_SKIN_WEIGHTS},
@@ -15,30 +17,88 @@ use surefoot::{
     },
 };
 
-use self::bench::{Bench, VertexIn, count};
+use self::stage::{Draw, Pass, VertexIn, VertexStage, count};
 use crate::tube::{tube, tube_palette};
 
 /// Why every allocation here succeeds.
 const ROOM: &str = "an arena without a limit has room";
 /// Metres between a vertex of the GPU and of the CPU.
 const POSITION_TOLERANCE: f32 = 1e-4;
-/// Radians, about, between two normals.
+/// Radians, about, between two normals or tangents.
 const NORMAL_TOLERANCE: f32 = 1e-3;
 
-/// What both sides skin.
+/// What both sides move.
 struct Case {
     vertices: Vec<VertexIn>,
-    now: Vec<Affine3A>,
-    last: Vec<Affine3A>,
+    /// This frame's palette and the last frame's.
+    palettes: [Vec<Affine3A>; 2],
+    /// By target, then by vertex.
+    targets: Vec<Vec<MorphDelta>>,
+    /// This frame's weight and the last frame's, by target.
+    weights: Vec<[f32; 2]>,
+    /// This frame's place and the last frame's.
+    world_from_model: [Affine3A; 2],
 }
 
 impl Case {
+    fn new(vertices: Vec<VertexIn>, palettes: [Vec<Affine3A>; 2]) -> Self {
+        let turn = Quat::from_rotation_y(0.8);
+        let world_from_model = [0.0, 0.1].map(|on_the_way| {
+            let place = Vec3::new(2.0, 0.5 + on_the_way, -1.5);
+            Affine3A::from_scale_rotation_translation(Vec3::new(1.1, 0.9, 1.2), turn, place)
+        });
+        Self { vertices, palettes, targets: vec![], weights: vec![], world_from_model }
+    }
+
     /// A tube of our own format, at two moments.
     fn tube(rings: usize, sides: usize, joint_count: usize, time: f32) -> Self {
         let mesh = skin_mesh(&tube(rings, sides, joint_count), joint_count, 0).expect("a tube can be skinned");
-        let [now, last] = [time, time - 0.1].map(|time| tube_palette(joint_count, time, 0.7));
-        Self { vertices: vertices(&mesh), now, last }
+        Self::new(vertices(&mesh), [time, time - 0.1].map(|time| tube_palette(joint_count, time, 0.7)))
     }
+
+    /// Where the CPU puts a vertex in this frame (0) or the last (1), world space.
+    fn on_cpu(&self, index: usize, frame: usize) -> SkinVertex {
+        let world_from_model = self.world_from_model[frame];
+        let palette: Vec<_> = self.palettes[frame].iter().map(|model| world_from_model * *model).collect();
+        let targets = self.targets.iter().zip(&self.weights).map(|(deltas, weight)| (weight[frame], deltas[index]));
+        let vertex = &self.vertices[index];
+        let moved = skinned(&palette, influences(vertex), morphed(at_rest(vertex), targets));
+        let mirrored = world_from_model.matrix3.determinant() < 0.0;
+        let handedness = if mirrored { -moved.tangent.w } else { moved.tangent.w };
+        SkinVertex { tangent: moved.tangent.truncate().extend(handedness), ..moved }
+    }
+
+    /// Holds every vertex of the GPU, in this pass, against the CPU.
+    fn hold(&self, what: &str, stage: &VertexStage, pass: Pass) {
+        let [(now, range), (last, _)] = [0, 1].map(|frame| arena_of(&self.palettes[frame]));
+        let moved = stage.run(&Draw {
+            vertices: &self.vertices,
+            targets: &self.targets,
+            weights: &self.weights,
+            world_from_model: self.world_from_model.map(Mat4::from),
+            instance: range.instance(),
+            arenas: [&now, &last],
+        });
+        assert_eq!(moved.len(), self.vertices.len(), "{what}: each vertex comes back");
+        for (index, gpu) in moved.iter().enumerate() {
+            let cpu = self.on_cpu(index, 0);
+            let off = |gpu: [f32; 4], cpu: Vec3| Vec4::from(gpu).truncate().distance(cpu);
+            let (position, normal) = (off(gpu.position, cpu.position), off(gpu.normal, cpu.normal));
+            let tangent = Vec4::from(gpu.tangent).distance(cpu.tangent);
+            assert!(position < POSITION_TOLERANCE, "{what}, {pass:?}: vertex {index} is {position} m off");
+            assert!(normal < NORMAL_TOLERANCE, "{what}, {pass:?}: normal {index} is {normal} off");
+            assert!(tangent < NORMAL_TOLERANCE, "{what}, {pass:?}: tangent {index} is {tangent} off");
+            if pass == Pass::Prepass {
+                let previous = off(gpu.previous, self.on_cpu(index, 1).position);
+                assert!(previous < POSITION_TOLERANCE, "{what}: vertex {index} of the last frame is {previous} m off");
+            }
+        }
+    }
+}
+
+/// The vertex stage of every pass.
+fn stages() -> [(VertexStage, Pass); 2] {
+    [Pass::Main, Pass::Prepass].map(|pass| (VertexStage::new(pass), pass))
 }
 
 fn vertices(mesh: &Mesh) -> Vec<VertexIn> {
@@ -54,8 +114,8 @@ fn vertices(mesh: &Mesh) -> Vec<VertexIn> {
     };
     (0..positions.len())
         .map(|i| VertexIn {
-            position: Vec3::from(positions[i]).extend(1.0).to_array(),
-            normal: Vec3::from(normals[i]).extend(0.0).to_array(),
+            position: positions[i],
+            normal: normals[i],
             tangent: Vec3::from(normals[i]).any_orthonormal_vector().extend(-1.0).to_array(),
             slots: slots[i],
             weights: weights[i],
@@ -63,37 +123,12 @@ fn vertices(mesh: &Mesh) -> Vec<VertexIn> {
         .collect()
 }
 
-fn on_cpu(palette: &[Affine3A], vertex: &VertexIn) -> SkinVertex {
-    let influences = Influences { slots: vertex.slots, weights: vertex.weights };
-    skinned(
-        palette,
-        influences,
-        SkinVertex {
-            position: Vec4::from(vertex.position).truncate(),
-            normal: Vec4::from(vertex.normal).truncate(),
-            tangent: Vec4::from(vertex.tangent),
-        },
-    )
+fn influences(vertex: &VertexIn) -> Influences {
+    Influences { slots: vertex.slots, weights: vertex.weights }
 }
 
-impl Case {
-    /// Largest distances between both sides: this frame's positions, normals, and last frame's positions.
-    fn compare(&self, bench: &Bench) -> [f32; 3] {
-        let (now, range) = arena_of(&self.now);
-        let (last, _) = arena_of(&self.last);
-        let moved = bench.run(&self.vertices, range.instance(), &now, &last);
-        let mut worst = [0.0f32; 3];
-        for (vertex, gpu) in self.vertices.iter().zip(&moved) {
-            let cpu = on_cpu(&self.now, vertex);
-            let previous = on_cpu(&self.last, vertex).position;
-            let direction = |a: [f32; 4], b: Vec3| Vec4::from(a).truncate().distance(b);
-            worst[0] = worst[0].max(direction(gpu.position, cpu.position));
-            worst[1] = worst[1].max(direction(gpu.normal, cpu.normal));
-            worst[1] = worst[1].max(Vec4::from(gpu.tangent).distance(cpu.tangent));
-            worst[2] = worst[2].max(direction(gpu.previous, previous));
-        }
-        worst
-    }
+fn at_rest(vertex: &VertexIn) -> SkinVertex {
+    SkinVertex { position: vertex.position.into(), normal: vertex.normal.into(), tangent: vertex.tangent.into() }
 }
 
 /// An arena in which others stand before and behind the palette.
@@ -113,26 +148,65 @@ fn arena_of(palette: &[Affine3A]) -> (SkinArena, SkinRange) {
 
 #[test]
 fn every_vertex_is_where_the_cpu_puts_it() {
-    let bench = Bench::new();
-    for time in [0.0, 0.4, 1.3, 2.9] {
-        let case = Case::tube(28, 16, 8, time);
-        let [position, normal, previous] = case.compare(&bench);
-        assert!(position < POSITION_TOLERANCE, "at {time} s a vertex is {position} m off");
-        assert!(normal < NORMAL_TOLERANCE, "at {time} s a normal is {normal} off");
-        assert!(previous < POSITION_TOLERANCE, "at {time} s a vertex of the last frame is {previous} m off");
+    for (stage, pass) in stages() {
+        for time in [0.0, 0.4, 1.3, 2.9] {
+            Case::tube(28, 16, 8, time).hold(&format!("at {time} s"), &stage, pass);
+        }
     }
 }
 
 #[test]
 fn three_hundred_joints_and_five_thousand_vertices_are_too() {
-    let bench = Bench::new();
     let case = Case::tube(400, 12, 300, 1.1);
     assert!(case.vertices.len() > 5_000, "{} vertices", case.vertices.len());
     assert!(case.vertices.iter().any(|v| v.slots.iter().any(|slot| *slot > 290)), "far slots are in use");
-    let [position, normal, previous] = case.compare(&bench);
-    assert!(position < POSITION_TOLERANCE, "a vertex is {position} m off");
-    assert!(normal < NORMAL_TOLERANCE, "a normal is {normal} off");
-    assert!(previous < POSITION_TOLERANCE, "a vertex of the last frame is {previous} m off");
+    case.hold("a long tube", &VertexStage::new(Pass::Prepass), Pass::Prepass);
+}
+
+#[test]
+fn morph_targets_move_vertices_before_the_skin_does() {
+    let stages = stages();
+    // Bulges, leans and is pulled up, each by its own weight.
+    let targets = |vertices: &[VertexIn]| {
+        let bulge = |vertex: &VertexIn| MorphDelta {
+            position: 0.2 * Vec3::from(vertex.normal),
+            normal: Vec3::new(0.0, 0.5 * vertex.position[1], 0.0),
+            tangent: Vec3::new(0.3, 0.0, -0.2),
+        };
+        let lean = |vertex: &VertexIn| MorphDelta {
+            position: Vec3::X * vertex.position[1],
+            normal: Vec3::NEG_Y * vertex.normal[0],
+            tangent: Vec3::NEG_Y * vertex.tangent[0],
+        };
+        let lift = |_: &VertexIn| MorphDelta { position: Vec3::Y, ..MorphDelta::default() };
+        vec![
+            vertices.iter().map(bulge).collect(),
+            vertices.iter().map(lean).collect(),
+            vertices.iter().map(lift).collect::<Vec<_>>(),
+        ]
+    };
+    for weights in [
+        [[0.0, 0.0], [0.0, 0.0], [0.0, 0.0]],
+        [[1.0, 0.8], [0.0, 0.3], [0.4, 0.0]],
+        [[-0.5, 0.2], [1.5, 1.4], [0.1, 0.1]],
+    ] {
+        let mut case = Case::tube(12, 9, 6, 1.3);
+        case.targets = targets(&case.vertices);
+        case.weights = weights.to_vec();
+        for (stage, pass) in &stages {
+            case.hold(&format!("weights {weights:?}"), stage, *pass);
+        }
+    }
+}
+
+#[test]
+fn a_mirrored_character_has_mirrored_normals_and_the_other_handedness() {
+    for (stage, pass) in stages() {
+        let mut case = Case::tube(8, 6, 4, 0.7);
+        case.world_from_model =
+            case.world_from_model.map(|place| place * Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0)));
+        case.hold("mirrored", &stage, pass);
+    }
 }
 
 #[test]
@@ -148,16 +222,16 @@ fn quantised_weights_put_a_vertex_within_a_tenth_of_a_millimetre() {
     let vertices = vertices(&skin_mesh(&source, joint_count, 0).unwrap());
     let mut worst = 0.0f32;
     for (vertex, (weights, slots)) in vertices.iter().zip(weights.iter().zip(slots)) {
-        let position = Vec4::from(vertex.position).truncate();
+        let position = Vec3::from(vertex.position);
         let exact: Vec3 = (0..4).map(|i| palette[usize::from(slots[i])].transform_point3(position) * weights[i]).sum();
-        worst = worst.max(on_cpu(&palette, vertex).position.distance(exact));
+        worst = worst.max(skinned(&palette, influences(vertex), at_rest(vertex)).position.distance(exact));
     }
     assert!(worst < POSITION_TOLERANCE, "a vertex is {worst} m off");
 }
 
 #[test]
 fn mirrored_sheared_and_flattened_palettes_give_the_same_normals() {
-    let bench = Bench::new();
+    let stage = VertexStage::new(Pass::Main);
     let mesh = skin_mesh(&tube(8, 12, 2), 2, 0).unwrap();
     let turn = Quat::from_scaled_axis(Vec3::new(0.4, 1.0, -0.3));
     let shear = Affine3A::from_cols(Vec3::X.into(), Vec3::new(0.6, 1.0, 0.0).into(), Vec3::Z.into(), Vec3::Y.into());
@@ -169,23 +243,29 @@ fn mirrored_sheared_and_flattened_palettes_give_the_same_normals() {
         ("nothing", Affine3A::from_scale(Vec3::ZERO)),
     ];
     for (name, affine) in cases {
-        let case = Case { vertices: vertices(&mesh), now: vec![affine; 2], last: vec![Affine3A::IDENTITY; 2] };
-        let [position, normal, _] = case.compare(&bench);
-        assert!(position < POSITION_TOLERANCE, "{name}: a vertex is {position} m off");
-        assert!(normal < NORMAL_TOLERANCE, "{name}: a normal is {normal} off");
+        let case = Case::new(vertices(&mesh), [vec![affine; 2], vec![Affine3A::IDENTITY; 2]]);
+        case.hold(name, &stage, Pass::Main);
     }
 }
 
 #[test]
 fn a_mesh_without_a_palette_or_with_too_small_a_one_never_reads_a_neighbours() {
-    let bench = Bench::new();
+    let stage = VertexStage::new(Pass::Main);
     let mut vertices = Case::tube(4, 6, 8, 0.0).vertices;
     vertices.truncate(20);
     let palette: Vec<_> = (0..3).map(|i| Affine3A::from_translation(Vec3::Y * ops::sqrt(i as f32))).collect();
     let (arena, range) = arena_of(&palette);
     for (instance, palette) in [(0, &[Affine3A::IDENTITY][..]), (range.instance(), &palette)] {
-        for (vertex, gpu) in vertices.iter().zip(bench.run(&vertices, instance, &arena, &arena)) {
-            let cpu = on_cpu(palette, vertex).position;
+        let moved = stage.run(&Draw {
+            vertices: &vertices,
+            targets: &[],
+            weights: &[],
+            world_from_model: [Mat4::IDENTITY; 2],
+            instance,
+            arenas: [&arena; 2],
+        });
+        for (vertex, gpu) in vertices.iter().zip(moved) {
+            let cpu = skinned(palette, influences(vertex), at_rest(vertex)).position;
             let gpu = Vec4::from(gpu.position).truncate();
             assert!(gpu.distance(cpu) < POSITION_TOLERANCE, "instance {instance}: {gpu} is not {cpu}");
         }
