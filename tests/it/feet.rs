@@ -128,7 +128,7 @@ fn on_level_ground_the_animated_pose_stands() {
     let walker = stage.spawn_walker().expect("the mannequin loads");
     stage.run_for(1.0);
     let ankles = |stage: &mut Stage| {
-        let handle = stage.get::<surefoot::character::Character>(walker).expect("spawned").0.clone();
+        let handle = stage.get::<Character>(walker).expect("spawned").0.clone();
         let asset = stage.app().world().resource::<Assets<CharacterAsset>>().get(&handle).expect("loaded").clone();
         let pose = &stage.get::<CharacterPose>(walker).expect("bound").pose;
         [0, 1].map(|side| sole_model(pose, &asset.legs[side]))
