@@ -264,7 +264,10 @@ fn film_walk(
     roll: &mut Roll,
 ) -> Result<(), FilmError> {
     let mut app = engine::headless_from(subject.app(), assets);
-    app.insert_resource(level::Seed(options.seed)).add_plugins((ShutterPlugin { size }, level::plugin, walk::plugin));
+    let plugins = (ShutterPlugin { size }, level::plugin, walk::plugin, skeleton::plugin);
+    app.insert_resource(level::Seed(options.seed)).add_plugins(plugins);
+    // A file of clips alone has nothing else to show.
+    app.insert_resource(ShowSkeleton(subject.body().meshes.is_empty()));
     subject.enter(&mut app, Part::Walker);
     engine::finish(&mut app);
     load(&mut app)?;

@@ -19,6 +19,7 @@ use crate::{
 const SIZE: (u32, u32) = (1000, 900);
 const PELVIS: RGBColor = RGBColor(90, 60, 150);
 const FOOT: RGBColor = RGBColor(200, 80, 20);
+const SOLE: RGBColor = RGBColor(235, 180, 140);
 const GROUND: RGBColor = RGBColor(110, 120, 100);
 const EARTH: RGBColor = RGBColor(214, 218, 205);
 const PLANT: RGBColor = RGBColor(214, 230, 250);
@@ -73,23 +74,27 @@ fn pelvis(panel: &Panel<'_>, frames: &[Frame]) -> Result<(), Failure> {
 }
 
 fn foot(panel: &Panel<'_>, side: usize, frames: &[Frame]) -> Result<(), Failure> {
-    // The lowest point of the sole, and the ground below it.
-    let lowest = frames.iter().filter_map(|frame| {
-        let foot = &frame.feet[side];
-        let (point, height) = foot.lowest()?;
-        Some((frame.time, foot.sole[point].y - frame.root.y, height))
-    });
-    let (sole, ground): (Vec<_>, Vec<_>) =
-        lowest.map(|(time, sole, height)| ((time, sole), (time, sole - height))).unzip();
-    let heights = range(ground.iter().chain(&sole).map(|point| point.1), 0.03);
+    // Each point by itself: on a slope the lowest of the sole is another in every frame.
+    let height = |point: usize| {
+        let above_root = move |frame: &Frame| (frame.time, frame.feet[side].sole[point].y - frame.root.y);
+        frames.iter().map(above_root).collect::<Vec<_>>()
+    };
+    let (heel, ball, tip) = (height(0), height(1), height(2));
+    let under_ball = |frame: &Frame| Some((frame.time, frame.feet[side].ground[1]? - frame.root.y));
+    let ground: Vec<_> = frames.iter().filter_map(under_ball).collect();
+    let heights = range([&ground, &heel, &ball, &tip].into_iter().flatten().map(|point| point.1), 0.03);
     let name = ["left", "right"][side];
-    let caption = format!("{name} foot (orange) and the ground below it (grey); blue while it stands");
+    let caption =
+        format!("{name} foot: ball (orange) over its ground (grey), heel and toes (pale); blue while it stands");
     let mut chart = chart(panel, &caption, times(frames), heights.clone())?;
     let shade = |&(from, to): &(f32, f32)| Rectangle::new([(from, heights.start), (to, heights.end)], PLANT.filled());
     chart.draw_series(stances(frames, side).iter().map(shade))?;
     chart.draw_series(AreaSeries::new(ground.clone(), heights.start, EARTH))?;
     chart.draw_series(LineSeries::new(ground, GROUND.stroke_width(1)))?;
-    chart.draw_series(LineSeries::new(sole, FOOT.stroke_width(2)))?;
+    for end in [heel, tip] {
+        chart.draw_series(LineSeries::new(end, SOLE.stroke_width(1)))?;
+    }
+    chart.draw_series(LineSeries::new(ball, FOOT.stroke_width(2)))?;
     Ok(())
 }
 
