@@ -5,6 +5,7 @@
 use bevy::{math::ops, prelude::*};
 
 use super::{
+    ON,
     foot::FootState,
     ground::{Probe, Reach, SoleShape},
     pelvis::LegReach,
@@ -26,8 +27,6 @@ use crate::{
 
 /// How fast a heel lifts to reach, rad/s, and the half-life in seconds in which it comes down when it needn't.
 const HEEL: (f32, f32) = (8.0, 0.06);
-/// How much of the effect is on from which on legs are kept from jumping: one that fades lets go of the ground.
-const ON: f32 = 0.99;
 /// Metres over the ground up to which a late foot is lifted, if it is asked to be there.
 const LATE_CLEARS: f32 = 0.02;
 /// Seconds before a landing from which the pelvis prepares for it.

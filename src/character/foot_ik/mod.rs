@@ -66,6 +66,9 @@ const SEEN: f32 = 1.0 / 60.0;
 /// Seconds of a frame from which on no motion is carried over into the next: at 25 frames a second nobody sees it go on.
 const LONG: f32 = 1.0 / 25.0;
 
+/// Share of the effect from which on legs and pelvis are kept from jumping: one that fades lets go of the ground.
+const ON: f32 = 0.99;
+
 /// Share of the effect below which it is off.
 const OFF: f32 = 0.01;
 

@@ -6,7 +6,7 @@
 
 use bevy::prelude::*;
 
-use super::{LONG, heave::Heave, ride::Ride};
+use super::{LONG, ON, heave::Heave, ride::Ride};
 use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
 
 /// Half-life in seconds in which the body follows a change of the slope that it rides over.
@@ -71,8 +71,6 @@ const SQUAT: f32 = 0.52;
 const GENTLE: f32 = 4.0;
 /// Radians a second that the joints of a leg of one metre turn for each m/s beyond.
 const BENDS: f32 = 6.7;
-/// How much of foot placement is on, below which a body lets go of the ground.
-const STANDS: f32 = 0.99;
 /// Least metres in which a fall is stopped. Guards the division.
 const LEAST_ROOM: f32 = 0.02;
 
@@ -190,7 +188,7 @@ impl PelvisState {
         let squat = floor + carried + SQUAT * legs[0].length;
         let lowest = squat.max(hips + placed - most);
         self.offset = placed + self.stop_fall(hips + placed, lowest, dt);
-        let free = !matches!(self.fall, Fall::Over) || weight < STANDS;
+        let free = !matches!(self.fall, Fall::Over) || weight < ON;
         self.offset += self.heave.keep(hips + self.offset, free, dt);
         self.note(hips + self.offset, dt);
         self.offset
