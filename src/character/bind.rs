@@ -6,7 +6,7 @@ use bevy::{ecs::system::SystemParam, platform::collections::HashMap, prelude::*}
 use super::{
     Character,
     aim::Aiming,
-    animator::{Actions, Balance, CharacterPose},
+    animator::{Actions, Balance, Blink, CharacterPose},
     foot_ik::{FootIk, GroundFilter},
     locomotion::Locomotion,
     look::Look,
@@ -65,7 +65,8 @@ fn bind(
             commands
                 .entity(entity)
                 .insert((pose, locomotion, aiming, FootIk::new(asset), asset.file.motion.clone()))
-                .insert_if_new((ground, Actions::default(), Balance::default(), Look::default()));
+                .insert_if_new((ground, Actions::default(), Balance::default(), Look::default()))
+                .insert_if_new(Blink::new(entity.index_u32()));
         };
     for event in events {
         let AssetEvent::Modified { id } = event else { continue };

@@ -8,6 +8,7 @@ use super::{
     Rig,
     actions::{self, ActionError, CharacterAction},
     binding::{self, Binding},
+    blink,
     character_file::{CharacterFile, ClipSource},
     humanoid::{Humanoid, HumanoidError, HumanoidRole},
     legs::{self, Body},
@@ -25,7 +26,7 @@ use super::{
 };
 use crate::anim::{
     clip::Clip,
-    gait::{Contact, Gait},
+    gait::Gait,
     leg::Leg,
     peak::Liveliness,
     pose::Pose,
@@ -59,6 +60,8 @@ pub struct CharacterAsset {
     pub stature: f32,
     /// Clips of its own that are called as states are in other words.
     pub own_clips: Vec<OwnClip>,
+    /// For each mesh of the rig the morph targets, by index, that shut the eyes.
+    pub blink_targets: Vec<Vec<usize>>,
     clips: Vec<CharacterClip>,
     actions: Vec<CharacterAction>,
 }
@@ -119,9 +122,9 @@ pub enum CharacterError {
         /// All clips there are.
         clips: String,
     },
-    /// A transition names a state that isn't there.
+    /// A field names a state or a morph target that isn't there.
     #[error(transparent)]
-    Transition(#[from] RangeError),
+    UnknownName(#[from] RangeError),
     /// An action can't be played.
     #[error(transparent)]
     Action(#[from] ActionError),
@@ -178,11 +181,13 @@ impl CharacterAsset {
             hips,
             legs,
             own_clips: Vec::new(),
+            blink_targets: Vec::new(),
             clips: Vec::new(),
             actions: Vec::new(),
             humanoid,
             file,
         };
+        asset.blink_targets = blink::targets(&asset.file.blink, &asset.rig)?;
         asset.fit_motion();
         asset.clips = asset.resolve_clips(others)?;
         asset.add_standard_clips();
@@ -332,8 +337,8 @@ impl CharacterAsset {
             gait.velocity = feet.velocity;
             gait.set_speed(feet.velocity.length(), clip.duration);
         }
-        if let Some((left, right)) = &told.contacts {
-            gait.set_contacts([contacts(left), contacts(right)]);
+        if let Some(stances) = told.stances() {
+            gait.set_contacts(stances);
         }
         if let Some(speed) = told.ground_speed.or(clip.ground_speed) {
             gait.set_speed(speed, clip.duration);
@@ -391,10 +396,4 @@ impl CharacterAsset {
         self.file.locomotion = locomotion;
         Ok(())
     }
-}
-
-/// Stances as written: a lift-off before its landing is over the loop's end.
-fn contacts(written: &[(f32, f32)]) -> Vec<Contact> {
-    let contact = |&(start, end): &(f32, f32)| Contact { start, end: if end > start { end } else { end + 1.0 } };
-    written.iter().map(contact).collect()
 }

@@ -13,6 +13,7 @@ use super::{
         actions::ActionConfig,
         aim::AimConfig,
         balance::BalanceConfig,
+        blink::BlinkConfig,
         foot_ik::FootIkConfig,
         locomotion::LocomotionConfig,
         look::LookConfig,
@@ -21,6 +22,7 @@ use super::{
         retarget::RetargetConfig,
     },
 };
+use crate::anim::gait::Contact;
 
 /// A character, as its file says it. Every field may be left out.
 #[derive(Reflect, Clone, Debug, Serialize, Deserialize)]
@@ -63,6 +65,8 @@ pub struct CharacterFile {
     pub look: LookConfig,
     /// How arms point where it aims.
     pub aim: AimConfig,
+    /// When the eyes blink.
+    pub blink: BlinkConfig,
 }
 
 impl Default for CharacterFile {
@@ -84,6 +88,7 @@ impl Default for CharacterFile {
             foot_ik: FootIkConfig::default(),
             look: LookConfig::default(),
             aim: AimConfig::default(),
+            blink: BlinkConfig::default(),
         }
     }
 }
@@ -135,6 +140,16 @@ pub struct ClipSource {
 impl Default for ClipSource {
     fn default() -> Self {
         Self { file: None, clip: None, speed: 1.0, looping: None, ground_speed: None, contacts: None }
+    }
+}
+
+impl ClipSource {
+    /// Stances of both feet as the file says them.
+    #[must_use]
+    pub fn stances(&self) -> Option<[Vec<Contact>; 2]> {
+        let contact = |&(start, end): &(f32, f32)| Contact { start, end: if end > start { end } else { end + 1.0 } };
+        let (left, right) = self.contacts.as_ref()?;
+        Some([left, right].map(|feet| feet.iter().map(contact).collect()))
     }
 }
 
@@ -209,7 +224,8 @@ impl CharacterFile {
         self.balance.check(&Ranges::new("balance."))?;
         self.foot_ik.check(&Ranges::new("foot_ik."))?;
         self.look.check(&Ranges::new("look."))?;
-        self.aim.check(&Ranges::new("aim."))
+        self.aim.check(&Ranges::new("aim."))?;
+        self.blink.check(&Ranges::new("blink."))
     }
 }
 

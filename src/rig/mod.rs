@@ -4,6 +4,7 @@
 
 pub mod actions;
 pub mod binding;
+mod blink;
 pub mod character;
 pub mod character_file;
 pub mod frame;
@@ -83,6 +84,8 @@ pub struct MeshBinding {
     pub joint: JointIndex,
     /// Morph weights at rest, one a target.
     pub morph_weights: Vec<f32>,
+    /// Names of the morph targets; one without a name goes by its index.
+    pub morph_names: Vec<String>,
     /// Of a skinned mesh, by primitive: who moves each vertex.
     ///
     /// Mended where the file needs it: the four largest weights, summing to one; vertices without weights ride on the

@@ -8,14 +8,14 @@ use super::{
 };
 use crate::character::{
     Character,
-    animator::{Actions, MorphScratch, morph_weights},
+    animator::{Actions, Blink, MorphScratch, MorphSources, morph_weights},
     bind::CharacterAssets,
     locomotion::Locomotion,
 };
 
 /// Morph weights of a character, by name. Comes onto a character when its model is built, if that has morph targets.
 ///
-/// Clips move them; one that is [set](Self::set) stays as it is until it is [released](Self::release).
+/// Clips and blinks move them; one that is [set](Self::set) stays as it is until it is [released](Self::release).
 #[derive(Component, Clone, Debug, Default)]
 pub struct Morphs {
     names: Vec<String>,
@@ -111,19 +111,19 @@ impl Morphs {
     }
 }
 
-/// Clips → weights, for characters that are not posed by hand.
+/// Clips and blinks → weights, for characters that are not posed by hand.
 pub(super) fn follow_clips(
     assets: CharacterAssets,
-    mut characters: Query<(&Character, &Locomotion, &Actions, &mut Morphs), Without<SkinPose>>,
+    mut characters: Query<(&Character, &Locomotion, &Actions, &Blink, &mut Morphs), Without<SkinPose>>,
     mut scratch: Local<MorphScratch>,
     mut wanted: Local<Vec<f32>>,
 ) {
-    for (character, locomotion, actions, mut morphs) in &mut characters {
+    for (character, locomotion, actions, blink, mut morphs) in &mut characters {
         let Some(asset) = assets.get(character) else { continue };
         wanted.clone_from(&morphs.rest);
-        for (binding, slots) in &morphs.meshes {
-            let Some(mesh) = asset.rig.meshes.get(*binding) else { continue };
-            if morph_weights(asset, locomotion, actions, mesh, &mut scratch) {
+        let sources = MorphSources { asset, locomotion, actions, blink };
+        for (mesh, slots) in &morphs.meshes {
+            if morph_weights(&sources, *mesh, &mut scratch) {
                 slots.iter().zip(&scratch.weights).for_each(|(slot, weight)| wanted[*slot] = *weight);
             }
         }

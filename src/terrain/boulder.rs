@@ -4,7 +4,7 @@ use avian3d::parry::{math::Vector, transformation::try_convex_hull};
 use bevy::math::Vec3;
 use fastnoise_lite::{FastNoiseLite, NoiseType};
 
-use super::dice::{Dice, on_sphere};
+use crate::math::dice::{Dice, on_sphere};
 
 /// Points before the hull is taken, for a rock of 1 m radius; small rocks have fewer, but never fewer than the second.
 const POINTS: (f32, usize) = (130.0, 40);

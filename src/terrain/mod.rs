@@ -7,7 +7,6 @@
 pub mod boulder;
 pub mod collider;
 pub mod course;
-pub mod dice;
 pub mod facets;
 pub mod heightfield;
 pub mod landscape;

@@ -6,11 +6,11 @@ use bevy::math::{Vec2, Vec3, ops};
 
 use super::{
     Heightfield, Piece,
-    dice::Dice,
     landscape::{HOLLOW, Landscape, on_land, plaza_distance},
     palette::Tint,
     shape::Shape,
 };
+use crate::math::dice::Dice;
 
 /// Metres between the middles of the squares that may each hold one thing.
 const SPACING: f32 = 8.5;

@@ -203,6 +203,10 @@ fn wrong_names_are_errors_with_the_right_ones() {
         fault(transition),
         "`locomotion.transitions[0].to` is `wlak`; valid is one of `idle`, `run`, `strafe`, `walk` (did you mean `walk`?)"
     );
+    assert_eq!(
+        fault(r#"(blink: (targets: ["blink"]))"#),
+        "`blink.targets` is `blink`; valid is names of the model's morph targets: none"
+    );
     let joint = fault(r#"(roles: Explicit({leftFoot: "lefFoot"}))"#);
     assert!(joint.contains("leftFoot the joint `lefFoot`") && joint.contains("did you mean `leftFoot`?"), "{joint}");
 }
@@ -214,6 +218,12 @@ fn values_out_of_range_say_what_is_valid() {
         (r#"(clips: {"walk": (speed: -1.0)})"#, "`clips[\"walk\"].speed` is -1; valid is 0.01 to 100"),
         ("(foot_ik: (pitch_limit: 120.0))", "`foot_ik.pitch_limit` is 120°; valid is 0 to 90°"),
         ("(foot_ik: (step_time: 0.0))", "`foot_ik.step_time` is 0 s; valid is 0.02 to 5 s"),
+        ("(blink: (interval: 0.0))", "`blink.interval` is 0 s; valid is 0.5 to 600 s"),
+        ("(blink: (interval: 1.0, duration: 0.5))", "`blink.duration` is 0.5 s; valid is 0.05 to 0.36 s"),
+        (
+            "(blink: (targets: []))",
+            "`blink.targets` is empty; valid is names of morph targets, or None; `enabled: false` stops the blinks",
+        ),
         ("(motion: (walk_speed: inf))", "motion.walk_speed is inf; valid is a number from 0 up"),
         (
             "(locomotion: (rate_range: (2.0, 1.0)))",
@@ -332,8 +342,17 @@ fn the_shipped_character_loads_with_every_field_at_its_default() {
     defaults.actions = Some(actions::standard());
     assert_eq!(written(&file), written(&defaults), "the file spells out the defaults");
     let action = ActionConfig::default();
-    let parts: [&dyn PartialReflect; 8] =
-        [&file, &action, &file.motion, &file.locomotion, &file.balance, &file.foot_ik, &file.look, &file.aim];
+    let parts: [&dyn PartialReflect; 9] = [
+        &file,
+        &action,
+        &file.motion,
+        &file.locomotion,
+        &file.balance,
+        &file.foot_ik,
+        &file.look,
+        &file.aim,
+        &file.blink,
+    ];
     for part in parts {
         let fields = part.reflect_ref().as_struct().expect("tuning is made of structs");
         for name in (0..fields.field_len()).filter_map(|index| fields.name_at(index)) {

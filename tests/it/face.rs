@@ -1,12 +1,13 @@
-//! Morph targets follow what plays: the mannequin blinks and breathes, whatever its limbs do.
+//! Morph targets follow what plays, and eyes blink: the mannequin blinks and breathes, whatever its limbs do.
 
 use bevy::prelude::*;
 use surefoot::{
     character::{
-        animator::{Actions, MorphScratch, morph_weights},
+        animator::{Actions, Blink, MorphScratch, MorphSources, morph_weights},
+        intent::MoveIntent,
         locomotion::Locomotion,
     },
-    testing::{Stage, World},
+    testing::{Stage, Tape, World},
 };
 
 /// The mannequin's targets, in the order of its file.
@@ -16,10 +17,15 @@ const BREATH: usize = 1;
 /// Weights of blink and breath as they are now; `None` when nothing that plays says anything of them.
 fn weights(stage: &Stage, walker: Entity) -> Option<[f32; 2]> {
     let asset = stage.asset(walker).expect("loaded");
-    let mesh = asset.rig.meshes.iter().find(|mesh| mesh.morph_weights.len() == 2).expect("the mannequin has targets");
-    let (locomotion, actions) = (stage.get::<Locomotion>(walker), stage.get::<Actions>(walker));
+    let mesh = asset.rig.meshes.iter().position(|mesh| mesh.morph_names == ["blink", "breath"]);
+    let sources = MorphSources {
+        asset,
+        locomotion: stage.get::<Locomotion>(walker).expect("bound"),
+        actions: stage.get::<Actions>(walker).expect("bound"),
+        blink: stage.get::<Blink>(walker).expect("bound"),
+    };
     let mut scratch = MorphScratch::default();
-    let told = morph_weights(asset, locomotion.expect("bound"), actions.expect("bound"), mesh, &mut scratch);
+    let told = morph_weights(&sources, mesh.expect("the mannequin has targets"), &mut scratch);
     told.then(|| [scratch.weights[BLINK], scratch.weights[BREATH]])
 }
 
@@ -48,6 +54,71 @@ fn who_stands_blinks_and_breathes() {
     let (least, most, _) = range(&mut stage, walker, 9);
     assert!(least[BLINK] < 0.01 && most[BLINK] > 0.8, "blinks from {} to {}", least[BLINK], most[BLINK]);
     assert!(least[BREATH] < 0.1 && most[BREATH] > 0.9, "breathes from {} to {}", least[BREATH], most[BREATH]);
+}
+
+#[test]
+fn whatever_it_does_a_character_blinks() {
+    let ahead = Vec3::NEG_Z;
+    let (aim, facing) = (Some(Vec3::X), Some(Vec3::X));
+    for (what, intent) in [
+        ("walks", MoveIntent { velocity: ahead * 1.4, ..default() }),
+        ("runs", MoveIntent { velocity: ahead * 3.5, ..default() }),
+        ("sneaks", MoveIntent { velocity: ahead, crouch: true, ..default() }),
+        ("aims", MoveIntent { velocity: ahead, aim, facing, ..default() }),
+    ] {
+        let mut stage = Stage::on(&World::flat());
+        let walker = stage.spawn_walker().expect("the mannequin loads");
+        stage.intend(walker, intent).run_for(1.0);
+        let (least, most, change) = range(&mut stage, walker, 15);
+        assert!(least[BLINK].abs() < 1e-6, "who {what} has its eyes open by {} at most", 1.0 - least[BLINK]);
+        assert!(most[BLINK] > 0.9, "who {what} shuts its eyes by {} at most in 15 s", most[BLINK]);
+        assert!(change < 0.35, "who {what} has lids that jump by {change}");
+    }
+}
+
+/// In which frames of `tape` each of three characters shuts its eyes.
+fn blinks(tape: &Tape, tune: impl Fn(&mut Stage, Entity)) -> [Vec<usize>; 3] {
+    let mut stage = Stage::on(&World::flat());
+    let asset = stage.load_character("mannequin.character.ron").expect("the mannequin loads");
+    let places = [-1.0, 0.0, 1.0].map(|x| Transform::from_xyz(x, 0.0, 0.0));
+    let walkers: [Entity; 3] = stage.spawn_loaded(asset, &places).try_into().expect("three places");
+    tune(&mut stage, walkers[0]);
+    let mut shut = [const { Vec::new() }; 3];
+    for frame in 0..(tape.seconds * 60.0) as usize {
+        for (walker, shut) in walkers.iter().zip(&mut shut) {
+            stage.intend(*walker, tape.intent_at(frame as f32 / 60.0));
+            if weights(&stage, *walker).is_some_and(|weights| weights[BLINK] > 0.5) {
+                shut.push(frame);
+            }
+        }
+        stage.run_for(1.0 / 60.0);
+    }
+    shut
+}
+
+#[test]
+fn each_character_blinks_in_a_rhythm_of_its_own_that_repeats() {
+    let tape = Tape { seconds: 30.0, ..Tape::change_gait() };
+    let shut = blinks(&tape, |_, _| ());
+    assert_eq!(shut, blinks(&tape, |_, _| ()), "the same tape gives the same blinks");
+    for (one, other) in [(0, 1), (1, 2), (0, 2)] {
+        let together = shut[one].iter().filter(|frame| shut[other].contains(frame)).count();
+        let of = shut[one].len();
+        assert!(
+            of > 0 && together * 2 < of,
+            "{together} of {of} frames with eyes shut are the same for two characters"
+        );
+    }
+}
+
+#[test]
+fn a_file_says_how_often_eyes_blink_and_whether() {
+    let tape = Tape { seconds: 30.0, ..Tape::change_gait() };
+    let usual = blinks(&tape, |_, _| ())[0].len();
+    let nervous = blinks(&tape, |stage, walker| stage.tune(walker, |file| file.blink.interval = 0.8))[0].len();
+    assert!(nervous > 2 * usual, "eyes are shut in {nervous} frames, not in {usual}");
+    let off = blinks(&tape, |stage, walker| stage.tune(walker, |file| file.blink.enabled = false));
+    assert!(off.iter().all(Vec::is_empty), "off, eyes are shut in {off:?}");
 }
 
 #[test]

@@ -2,12 +2,14 @@
 
 use avian3d::prelude::*;
 use bevy::{ecs::system::RunSystemOnce, prelude::*, time::TimeUpdateStrategy};
-use surefoot::terrain::{
-    Heightfield, MovingPlatform, Piece, TerrainPlugin, collider, course,
-    dice::Dice,
-    landscape::{Cover, Landscape},
-    mesh::{self, Paint},
-    shape::Shape,
+use surefoot::{
+    math::dice::Dice,
+    terrain::{
+        Heightfield, MovingPlatform, Piece, TerrainPlugin, collider, course,
+        landscape::{Cover, Landscape},
+        mesh::{self, Paint},
+        shape::Shape,
+    },
 };
 
 /// A headless world with the terrain and what `add` adds, physics ready for queries.

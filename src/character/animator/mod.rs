@@ -4,6 +4,7 @@
 
 mod actions;
 mod balance;
+mod blink;
 mod feet;
 mod morphs;
 
@@ -11,7 +12,8 @@ use bevy::{prelude::*, utils::Parallel};
 
 pub use actions::Actions;
 pub use balance::{Balance, wanted_lean, wanted_stoop};
-pub use morphs::{MorphScratch, morph_weights};
+pub use blink::Blink;
+pub use morphs::{MorphScratch, MorphSources, morph_weights};
 
 use super::{
     Character, bind::CharacterAssets, detail::Pacing, legs::keep_bent, locomotion::Locomotion, schedule::PoseSystems,
@@ -82,7 +84,7 @@ impl CharacterPose {
     }
 }
 
-/// Samples and blends clips, lays actions over them, and leans the body.
+/// Samples and blends clips, lays actions over them, leans the body and shuts the eyes now and then.
 pub struct AnimatorPlugin;
 
 impl Plugin for AnimatorPlugin {
@@ -91,6 +93,7 @@ impl Plugin for AnimatorPlugin {
             PostUpdate,
             (
                 (animate, actions::act, balance::keep_balance).chain().in_set(PoseSystems::Sample),
+                blink::blink.in_set(PoseSystems::Sample),
                 complete.in_set(PoseSystems::Model),
             ),
         );

@@ -1,10 +1,23 @@
-//! What plays → weights of morph targets.
+//! What plays, and blinks → weights of morph targets.
 
-use super::Actions;
+use super::{Actions, Blink};
 use crate::{
     character::locomotion::Locomotion,
-    rig::{MeshBinding, actions::CharacterAction, character::CharacterAsset, humanoid::HumanoidRole},
+    rig::{actions::CharacterAction, character::CharacterAsset, humanoid::HumanoidRole},
 };
+
+/// What moves a character's morph targets.
+#[derive(Clone, Copy, Debug)]
+pub struct MorphSources<'a> {
+    /// Its clips and meshes.
+    pub asset: &'a CharacterAsset,
+    /// What plays.
+    pub locomotion: &'a Locomotion,
+    /// What lies over it.
+    pub actions: &'a Actions,
+    /// When its eyes shut.
+    pub blink: &'a Blink,
+}
 
 /// Buffers of [`morph_weights`].
 #[derive(Debug, Default)]
@@ -14,35 +27,40 @@ pub struct MorphScratch {
     pub weights: Vec<f32>,
 }
 
-/// Finds the weights of `mesh`'s targets in what plays; `false` when nothing that plays says anything of them.
+/// Finds the weights of the targets of the mesh that is at `mesh` in the rig's list; `false` when nothing says anything of
+/// them.
 ///
 /// Clips blend by their weights, those that say nothing as the mesh is at rest. Actions lie over them as far as they reach the
-/// head: faces go with it. Additive ones add their weights.
-pub fn morph_weights(
-    asset: &CharacterAsset,
-    locomotion: &Locomotion,
-    actions: &Actions,
-    mesh: &MeshBinding,
-    scratch: &mut MorphScratch,
-) -> bool {
+/// head: faces go with it. Additive ones add their weights. A blink shuts the eyes at least as far as it goes.
+pub fn morph_weights(sources: &MorphSources, mesh: usize, scratch: &mut MorphScratch) -> bool {
+    let MorphSources { asset, locomotion, actions, blink } = *sources;
     let MorphScratch { sampled, weights } = scratch;
-    let mut told = false;
     weights.clear();
-    weights.resize(mesh.morph_weights.len(), 0.0);
+    let Some(binding) = asset.rig.meshes.get(mesh) else { return false };
+    let mut told = false;
+    weights.resize(binding.morph_weights.len(), 0.0);
     for playing in locomotion.playing(asset) {
-        sampled.clone_from(&mesh.morph_weights);
-        told |= playing.clip.clip.morph_weights(mesh.joint, playing.time, sampled);
+        sampled.clone_from(&binding.morph_weights);
+        told |= playing.clip.clip.morph_weights(binding.joint, playing.time, sampled);
         weights.iter_mut().zip(&*sampled).for_each(|(sum, weight)| *sum += playing.weight * weight);
     }
     for (action, time, weight) in actions.layers(asset) {
         let share = weight * reach(action, asset);
-        sampled.clone_from(&mesh.morph_weights);
-        if share <= 0.0 || !action.clip(asset).is_some_and(|clip| clip.clip.morph_weights(mesh.joint, time, sampled)) {
+        sampled.clone_from(&binding.morph_weights);
+        let clip = action.clip(asset).filter(|_| share > 0.0);
+        if !clip.is_some_and(|clip| clip.clip.morph_weights(binding.joint, time, sampled)) {
             continue;
         }
         told = true;
         for (below, above) in weights.iter_mut().zip(&*sampled) {
             *below += share * if action.config.additive { *above } else { above - *below };
+        }
+    }
+    let shut = blink.shut(&asset.file.blink);
+    for target in asset.blink_targets.get(mesh).into_iter().flatten().filter(|_| shut > 0.0) {
+        if let Some(weight) = weights.get_mut(*target) {
+            told = true;
+            *weight = weight.max(shut);
         }
     }
     told

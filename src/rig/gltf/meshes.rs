@@ -8,6 +8,7 @@ use gltf::json::{
     mesh::{Primitive, Semantic},
     validation::Checked,
 };
+use serde::Deserialize;
 
 use super::{accessor::Source, error::RigError, influences, nodes::Nodes};
 use crate::{
@@ -44,6 +45,7 @@ pub(super) fn read(
             skin,
             joint,
             morph_weights: morph_weights(it, node.weights.as_ref()),
+            morph_names: morph_names(it),
             influences: Vec::new(),
         };
         for (index, primitive) in it.primitives.iter().enumerate() {
@@ -69,12 +71,30 @@ pub(super) fn read(
     Ok((bindings, vertices))
 }
 
+fn target_count(mesh: &gltf::json::Mesh) -> usize {
+    mesh.primitives.first().and_then(|primitive| primitive.targets.as_ref()).map_or(0, Vec::len)
+}
+
 fn morph_weights(mesh: &gltf::json::Mesh, own: Option<&Vec<f32>>) -> Vec<f32> {
-    let targets = mesh.primitives.first().and_then(|primitive| primitive.targets.as_ref()).map_or(0, Vec::len);
     let mut weights = own.or(mesh.weights.as_ref()).cloned().unwrap_or_default();
-    weights.resize(targets, 0.0);
+    weights.resize(target_count(mesh), 0.0);
     weights.iter_mut().filter(|weight| !weight.is_finite()).for_each(|weight| *weight = 0.0);
     weights
+}
+
+/// What tools put beside a mesh.
+#[derive(Default, Deserialize)]
+struct Extras {
+    #[serde(default, rename = "targetNames")]
+    target_names: Vec<String>,
+}
+
+fn morph_names(mesh: &gltf::json::Mesh) -> Vec<String> {
+    let extras = mesh.extras.as_ref().and_then(|extras| serde_json::from_str::<Extras>(extras.get()).ok());
+    let mut names = extras.unwrap_or_default().target_names;
+    names.truncate(target_count(mesh));
+    names.extend((names.len()..target_count(mesh)).map(|target| target.to_string()));
+    names
 }
 
 impl Vertices {

@@ -3,6 +3,7 @@
 pub mod actions;
 pub mod aim;
 pub mod balance;
+pub mod blink;
 pub mod degrees;
 pub mod foot_ik;
 pub mod locomotion;

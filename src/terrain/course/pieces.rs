@@ -5,13 +5,15 @@
 use bevy::math::{Quat, Vec2, Vec3, ops};
 
 use super::{Piece, STEP};
-use crate::terrain::{
-    Heightfield,
-    dice::Dice,
-    landscape::{HOLLOW, on_land},
-    palette::Tint,
-    platform::MovingPlatform,
-    shape::Shape,
+use crate::{
+    math::dice::Dice,
+    terrain::{
+        Heightfield,
+        landscape::{HOLLOW, on_land},
+        palette::Tint,
+        platform::MovingPlatform,
+        shape::Shape,
+    },
 };
 
 /// Height of the deck between the ramps, metres.

@@ -9,7 +9,7 @@ use surefoot::{
     SurefootPlugins,
     anim::pose::Pose,
     character::{Character, intent::MoveIntent},
-    rig::Rig,
+    rig::{Rig, character::CharacterAsset},
     skinning::{
         Morphs, PoseBounds, SkinArena, SkinPose, SkinnedBy, SkinnedModel, SkinningPlugin, Tint,
         model::{ModelParts, ModelStatus},
@@ -138,6 +138,9 @@ fn character() -> (Studio, Entity) {
 #[test]
 fn a_character_that_stands_breathes_and_blinks_in_its_skin() {
     let (mut studio, character) = character();
+    let handle = studio.world().get::<Character>(character).expect("it is one").0.clone();
+    let mut assets = studio.world().resource_mut::<Assets<CharacterAsset>>();
+    assets.get_mut_untracked(&handle).expect("it is loaded").file.blink.interval = 1.0;
     let mut most = [0.0f32; 2];
     let mut shown = 0.0f32;
     for _ in 0..240 {

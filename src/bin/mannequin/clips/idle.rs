@@ -12,7 +12,6 @@ use glam::DVec3;
 const SECONDS: f64 = 8.0;
 /// Two breaths in a loop.
 const BREATH: f64 = 4.0;
-const BLINKS: [f64; 3] = [1.7, 4.9, 5.25];
 
 /// Where the feet stand, each as its left image.
 pub fn footings() -> [Footing; 2] {
@@ -23,11 +22,6 @@ pub fn footings() -> [Footing; 2] {
 pub fn breath(time: f64) -> f64 {
     let t = time.rem_euclid(BREATH);
     ease(0.0, 1.6, t) - ease(1.7, 3.8, t)
-}
-
-/// How far the lids are closed, 0..1.
-fn blink(time: f64) -> f64 {
-    BLINKS.iter().map(|start| ease(*start, start + 0.08, time) - ease(start + 0.12, start + 0.27, time)).sum()
 }
 
 fn arm(time: f64, side: usize) -> Arm {
@@ -87,5 +81,5 @@ pub fn figure(time: f64) -> Figure {
 #[must_use]
 pub fn clip() -> Clip {
     let timing = Timing { seconds: SECONDS, rate: 30.0, ground_speed: Some(0.0) };
-    record("idle", timing, |time| Moment { joints: figure(time).joints(), blink: blink(time), breath: breath(time) })
+    record("idle", timing, |time| Moment { joints: figure(time).joints(), breath: breath(time) })
 }

@@ -19,14 +19,13 @@ pub struct Timing {
 #[derive(Clone, Debug)]
 pub struct Moment {
     pub joints: Joints,
-    /// Morph weights 0..1: lids closed, chest full.
-    pub blink: f64,
+    /// How full the chest is, 0..1.
     pub breath: f64,
 }
 
 impl From<Figure> for Moment {
     fn from(figure: Figure) -> Self {
-        Self { joints: figure.joints(), blink: 0.0, breath: 0.0 }
+        Self { joints: figure.joints(), breath: 0.0 }
     }
 }
 
@@ -46,7 +45,8 @@ pub fn record(name: &'static str, timing: Timing, at: impl Fn(f64) -> Moment) ->
         .filter(|(_, keys)| keys.iter().any(|key| key.angle_between(Quat::IDENTITY) > 1e-6))
         .collect();
     let hips: Vec<Vec3> = moments.iter().map(|moment| moment.joints.hips.as_vec3()).collect();
-    let weights: Vec<[f32; 2]> = moments.iter().map(|moment| [moment.blink as f32, moment.breath as f32]).collect();
+    // Eyes blink by themselves, whatever plays.
+    let weights: Vec<[f32; 2]> = moments.iter().map(|moment| [0.0, moment.breath as f32]).collect();
     let has_weights = weights.iter().flatten().any(|&weight| weight > 0.0);
     Clip {
         name,
