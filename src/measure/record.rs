@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use super::frame::{FootFrame, Frame};
 use crate::{
     anim::{
+        blend::lerp_into,
         ik::two_bone::bend_angle,
         leg::Leg,
         peak::{JointMotion, Peak},
@@ -30,6 +31,14 @@ use crate::{
 pub struct Recorder {
     /// What was recorded, in order of time.
     pub frames: Vec<Frame>,
+    /// Seconds from one recorded frame to the next, whatever the frame rate. 0 records what is shown, frame by frame. Default 0.
+    ///
+    /// Two frame rates compare only where both are seen at the same moments: speeds and changes are differences of frames. Poses
+    /// between two frames are blended; what holds a foot, what plays and where the ground is are those of the later one.
+    pub every: f32,
+    /// Pose and root of the last frame, and the seconds from the last recorded one to it.
+    shown: Option<(Pose, Transform)>,
+    since: f32,
     clock: f32,
     motion: JointMotion,
     peaks: ClipPeaks,
@@ -60,6 +69,7 @@ pub enum Hold {
 }
 
 /// What a viewer sees of a character in one frame.
+#[derive(Clone, Copy)]
 pub struct Seen<'a> {
     /// Whose legs these are.
     pub asset: &'a CharacterAsset,
@@ -90,9 +100,39 @@ pub struct Playing {
     pub rate: f32,
 }
 
+/// Seconds by which a frame may come too early to be recorded.
+const EARLY: f32 = 1e-4;
+
 impl Recorder {
-    /// Records one frame of `dt` seconds.
+    /// Forgets what was recorded.
+    pub fn restart(&mut self) {
+        *self = Self { every: self.every, ..Self::default() };
+    }
+
+    /// Records one frame of `dt` seconds, or what lies in it of those that are recorded [`every`](Self::every) so many seconds.
     pub fn record(&mut self, seen: &Seen<'_>, probe: &impl Probe, grounds: &impl GroundFrames, dt: f32) {
+        if self.every <= 0.0 {
+            return self.take(seen, probe, grounds, dt);
+        }
+        let (last, before) = self.shown.take().unwrap_or_else(|| (seen.pose.clone(), *seen.root));
+        self.since += dt;
+        while self.since >= self.every - EARLY {
+            self.since -= self.every;
+            let share = (1.0 - self.since / dt).clamp(0.0, 1.0);
+            let mut pose = last.clone();
+            lerp_into(pose.locals_mut(), seen.pose.locals(), share);
+            pose.update_model(&seen.asset.skeleton);
+            let root = Transform {
+                translation: before.translation.lerp(seen.root.translation, share),
+                rotation: before.rotation.slerp(seen.root.rotation, share),
+                scale: seen.root.scale,
+            };
+            self.take(&Seen { pose: &pose, root: &root, ..*seen }, probe, grounds, self.every);
+        }
+        self.shown = Some((seen.pose.clone(), *seen.root));
+    }
+
+    fn take(&mut self, seen: &Seen<'_>, probe: &impl Probe, grounds: &impl GroundFrames, dt: f32) {
         let world_from_model = seen.root.to_isometry();
         let mut met = Vec::with_capacity(6);
         let feet = [0, 1].map(|side| {

@@ -234,7 +234,15 @@ impl Stage {
     /// Forgets what was recorded.
     pub fn start_recording(&mut self, character: Entity) -> &mut Self {
         if let Some(mut recorder) = self.app.world_mut().get_mut::<Recorder>(character) {
-            *recorder = Recorder::default();
+            recorder.restart();
+        }
+        self
+    }
+
+    /// From now on records this character at moments `seconds` apart whatever the frame rate: see [`Recorder::every`].
+    pub fn record_every(&mut self, character: Entity, seconds: f32) -> &mut Self {
+        if let Some(mut recorder) = self.app.world_mut().get_mut::<Recorder>(character) {
+            recorder.every = seconds;
         }
         self
     }

@@ -39,6 +39,13 @@ impl Tape {
         Self { name: name.to_owned(), cues: velocities.iter().map(cue).collect(), seconds }
     }
 
+    /// The same, everything `seconds` later; until then what its first cue wants.
+    #[must_use]
+    pub fn later(&self, seconds: f32) -> Self {
+        let cue = |cue: &Cue| Cue { at: cue.at + seconds, ..cue.clone() };
+        Self { cues: self.cues.iter().map(cue).collect(), ..self.clone() }
+    }
+
     /// Stands for a second, then walks along -Z.
     #[must_use]
     pub fn walk() -> Self {

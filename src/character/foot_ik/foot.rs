@@ -134,6 +134,8 @@ pub struct FootState {
     pub(super) forefoot: f32,
     /// World height, under the ball, of the ground that carries the foot; in the air of the way to the next.
     pub(super) base: f32,
+    /// Frame of the ground that a planted foot stood on in the last frame, world.
+    pub(super) ground: Isometry3d,
     /// Metres by which a planted foot still is over its ground.
     pub(super) over: f32,
     /// Metres from where the clip wanted it to where it found room, when it came down.

@@ -66,6 +66,7 @@ impl FootState {
         let facing = from_scaled_axis(Vec3::Y * self.yaw_offset) * foot.forward;
         let point = self.placed(pivot);
         self.over = self.base - plane.height(self.placed_ball);
+        self.ground = frame;
         self.mode = Mode::Planted(Plant {
             pivot,
             ground: hit.entity,
@@ -86,6 +87,9 @@ impl FootState {
         let frame = around.frames.frame(plant.ground).unwrap_or(Isometry3d::IDENTITY);
         let anchor = frame * plant.anchor_ground;
         let normal = frame.rotation * plant.normal_ground;
+        // What was placed in the last frame has moved with the ground since.
+        let carried = frame * core::mem::replace(&mut self.ground, frame).inverse();
+        self.placed_ball = carried * self.placed_ball;
         self.yaw_offset = plant.yaw_offset(foot, around.frames);
         // The clip brings the forefoot down by itself.
         self.flatten.step(self.flatten.value.round(), 0.05, dt);
@@ -96,19 +100,19 @@ impl FootState {
         let target = limited_align(normal, foot.forward, around.config);
         self.align = damp_quat(self.align, target, around.config.align_half_life, dt);
         let plane = Plane { point: anchor + Vec3::Y * self.over, normal };
-        let placed = self.place(foot, Some((plant.pivot, anchor)), plane);
-        self.base = plane.height(self.placed_ball);
-        // The sole rolls from heel over ball to tip; what lies on the ground carries the lock.
+        // The sole rolls from heel over ball to tip; what lies on the ground carries the lock, from where it was last.
         let [heel, ball, tip] = [foot.heel, foot.ball, foot.tip].map(|point| point.y - foot.floor);
-        match plant.pivot {
-            Pivot::Heel if ball <= ROLLED + heel.max(0.0) => {
-                self.roll(Pivot::Ball, plant, plane, frame);
-                self.forefoot = 0.0;
-                self.lay_flat(foot, around);
-            }
+        let (pivot, anchor) = match plant.pivot {
             Pivot::Ball if ball > ROLLED + tip.max(0.0) && tip < heel => self.roll(Pivot::Tip, plant, plane, frame),
             Pivot::Tip if ball <= tip => self.roll(Pivot::Ball, plant, plane, frame),
-            _ => {}
+            pivot => (pivot, anchor),
+        };
+        let placed = self.place(foot, Some((pivot, anchor)), plane);
+        self.base = plane.height(self.placed_ball);
+        if plant.pivot == Pivot::Heel && ball <= ROLLED + heel.max(0.0) {
+            self.roll(Pivot::Ball, plant, plane, frame);
+            self.forefoot = 0.0;
+            self.lay_flat(foot, around);
         }
         PlacedFoot { takeoff: self.placed_ball.with_y(self.base), ..placed }
     }
@@ -122,10 +126,11 @@ impl FootState {
         }
     }
 
-    /// The same plane carries the foot on, held by another point.
-    fn roll(&mut self, onto: Pivot, plant: &Plant, plane: Plane, frame: Isometry3d) {
+    /// The same plane carries the foot on, held by another point; gives that, and where it is held.
+    fn roll(&mut self, onto: Pivot, plant: &Plant, plane: Plane, frame: Isometry3d) -> (Pivot, Vec3) {
         let point = self.placed(onto);
         let on_ground = point.with_y(plane.height(point) - self.over);
         self.mode = Mode::Planted(Plant { pivot: onto, anchor_ground: frame.inverse() * on_ground, ..*plant });
+        (onto, on_ground)
     }
 }
