@@ -11,8 +11,9 @@ use crate::math::fade::ebb;
 /// Seconds of the longest and the shortest easing.
 const LONGEST: f32 = 0.3;
 const SHORTEST: f32 = 0.05;
-/// Seconds in which a lift-off by a gait is eased: some seven frames at 60 Hz, so that a slower frame rate sees it too.
+/// Seconds in which a lift-off by a gait is eased: some seven frames at 60 Hz; and the frames that it takes at least.
 const LIFT_OFF: f32 = 0.11;
+const FRAMES: f32 = 4.0;
 
 /// An offset that decays, and what it is made of.
 #[derive(Clone, Copy, Debug, Default)]
@@ -110,7 +111,7 @@ impl Carry {
             }
             Phase::Seen { offset, new: last } => {
                 let velocity = old - (new - last) / dt.max(1e-4);
-                let seconds = if self.brief { LIFT_OFF } else { left.clamp(SHORTEST, LONGEST) };
+                let seconds = if self.brief { LIFT_OFF.max(FRAMES * dt) } else { left.clamp(SHORTEST, LONGEST) };
                 self.phase = Phase::Eases { offset, velocity, elapsed: 0.0, seconds };
                 self.eased(new, left, dt)
             }
