@@ -13,7 +13,7 @@ use bevy::{
 use super::{tape::Tape, world::World as Ground};
 use crate::{
     SurefootPlugins,
-    character::{Character, intent::MoveIntent, motion::MotionState},
+    character::{Character, intent::MoveIntent, motion::MotionState, schedule::MotionSystems},
     measure::{
         frame::Frame,
         record::{MeasurePlugin, Recorder},
@@ -41,6 +41,24 @@ pub struct Stage {
     dt: f32,
 }
 
+/// A tape, who hears it, and when it began.
+#[derive(Resource)]
+struct Playing {
+    tape: Tape,
+    characters: Vec<Entity>,
+    began: Duration,
+}
+
+fn hear(time: Res<Time<Fixed>>, playing: Option<Res<Playing>>, mut intents: Query<&mut MoveIntent>) {
+    let Some(playing) = playing else { return };
+    let wanted = playing.tape.intent_at(time.elapsed().saturating_sub(playing.began).as_secs_f32());
+    for character in &playing.characters {
+        if let Ok(mut intent) = intents.get_mut(*character) {
+            *intent = wanted.clone();
+        }
+    }
+}
+
 /// Frames per second that measures are meant for.
 const FRAME_RATE: f32 = 60.0;
 /// Longest wait for a character's files, in updates of about a millisecond.
@@ -64,7 +82,8 @@ impl Stage {
             PhysicsPlugins::default(),
             SurefootPlugins,
             MeasurePlugin,
-        ));
+        ))
+        .add_systems(FixedUpdate, hear.in_set(MotionSystems::Decide));
         build(&mut app);
         let mut stage = Self { app, dt: 1.0 / FRAME_RATE };
         stage.set_frame_rate(FRAME_RATE);
@@ -206,14 +225,12 @@ impl Stage {
         self.play_all(&[character], tape)
     }
 
-    /// Plays a whole tape to all of them.
+    /// Plays a whole tape to all of them, tick by tick of the controller: the frame rate doesn't delay it.
     pub fn play_all(&mut self, characters: &[Entity], tape: &Tape) -> &mut Self {
-        for frame in 0..(tape.seconds / self.dt).round() as usize {
-            for character in characters {
-                self.intend(*character, tape.intent_at(frame as f32 * self.dt));
-            }
-            self.app.update();
-        }
+        let began = self.app.world().resource::<Time<Virtual>>().elapsed();
+        self.app.insert_resource(Playing { tape: tape.clone(), characters: characters.to_vec(), began });
+        self.run_for(tape.seconds);
+        self.app.world_mut().remove_resource::<Playing>();
         self
     }
 

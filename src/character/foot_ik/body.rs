@@ -27,8 +27,10 @@ use crate::{
 
 /// How fast a heel lifts to reach, rad/s, and the half-life in seconds in which it comes down when it needn't.
 const HEEL: (f32, f32) = (8.0, 0.06);
-/// Metres over the ground up to which a late foot is lifted, if it is asked to be there.
+/// Metres over the ground up to which a late foot is lifted, if it is asked to be there, and the half-life in seconds in which
+/// it is.
 const LATE_CLEARS: f32 = 0.02;
+const LATE_LIFTS: f32 = 0.005;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
@@ -221,8 +223,10 @@ impl Body<'_> {
         let fastest = self.locomotion.leg_speed(self.asset).max(hurry);
         let asked = pose.pose.position(leg.foot);
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
-        if foot.plant().is_none() && foot.pace.is_late() {
-            self.lift_late(pose, leg, placed, |point| self.reach(config).height(probe, point));
+        if foot.plant().is_some() {
+            foot.lifted = 0.0;
+        } else if foot.pace.is_late() || foot.lifted > 0.0 {
+            self.lift_late(pose, leg, placed, foot, |point| self.reach(config).height(probe, point));
         }
         let limits = if hurry > 0.0 || weight < ON {
             Limits { share: weight, ..Limits::NONE }
@@ -242,14 +246,18 @@ impl Body<'_> {
         pose: &mut CharacterPose,
         leg: &Leg,
         placed: &PlacedFoot,
+        foot: &mut FootState,
         ground: impl Fn(Vec3) -> Option<f32>,
     ) {
         let over = |point: Vec3| point.y - ground(point).unwrap_or_else(|| placed.plane.height(point));
         let lowest = |points: [Vec3; 3]| points.map(over).into_iter().fold(f32::MAX, f32::min);
         let world_from_model = self.root.to_isometry();
         let made = sole_model(&pose.pose, leg).map(|point| world_from_model * point);
-        let lift = lowest(placed.sole).min(LATE_CLEARS) - lowest(made);
-        if lift > 0.0 {
+        let lift = if foot.pace.is_late() { lowest(placed.sole).min(LATE_CLEARS) - lowest(made) } else { 0.0 };
+        // An edge comes between the foot and its place from one frame to the next.
+        let lift = damp(foot.lifted, lift.max(0.0), LATE_LIFTS, self.dt);
+        foot.lifted = if lift < 1e-4 { 0.0 } else { lift };
+        if foot.lifted > 0.0 {
             let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
             let ankle = pose.pose.position(leg.foot) + Vec3::Y * lift;
             let rotation = pose.pose.rotation(leg.foot);

@@ -5,7 +5,6 @@
 
 use bevy::prelude::*;
 
-use super::LONG;
 use crate::math::fade::ebb;
 
 /// Seconds of the longest and the shortest easing.
@@ -70,6 +69,16 @@ impl Carry {
         self.brief
     }
 
+    /// How fast the ankle was in the last frame, m/s.
+    pub(super) fn velocity(&self) -> Vec3 {
+        self.ankle.velocity
+    }
+
+    /// Nothing is known of how it moved.
+    pub(super) fn forget(&mut self) {
+        *self = Self::default();
+    }
+
     /// The point is where it belongs.
     pub(super) fn end(&mut self) {
         self.phase = Phase::Over;
@@ -98,9 +107,6 @@ impl Carry {
     }
 
     fn eased(&mut self, new: Vec3, left: f32, dt: f32) -> Vec3 {
-        if dt >= LONG {
-            self.end();
-        }
         let Track { place, velocity: old } = if self.brief { self.tip } else { self.ankle };
         match self.phase {
             Phase::Over => Vec3::ZERO,

@@ -30,6 +30,8 @@ const FALLS: f32 = 1.5;
 const TOUCHES: f32 = 0.003;
 const DOWN: f32 = 0.03;
 const THERE: f32 = 0.08;
+/// Metres over its ground from which on a foot doesn't land yet.
+const HIGH: f32 = 0.1;
 /// Metres by which a leg may miss its place on the ground: one that misses it by more isn't there.
 const MISSES: f32 = 0.02;
 /// Metres by which a leg may be behind its foot's place when the foot comes to stand there: it would slide the rest.
@@ -80,7 +82,8 @@ impl FootState {
                 let (down, amid) = if around.halts { (TOUCHES, true) } else { (DOWN, self.flight.share() < NEARLY) };
                 if self.missed > MISSES || self.behind > BEHIND || amid && (self.above > down || aside > THERE) {
                     self.finish_step(foot, aside);
-                } else {
+                } else if self.above < HIGH || self.flight.share() >= 1.0 {
+                    // One that is still high has one frame more to come down to its landing.
                     self.lock(foot, around);
                 }
             }

@@ -120,6 +120,8 @@ pub struct FootState {
     pub(super) missed: f32,
     /// Metres by which the leg, which moves no faster than it may, was behind that.
     pub(super) behind: f32,
+    /// Metres by which a leg that is late has its foot lifted over the ground.
+    pub(super) lifted: f32,
     /// Metres from the sole's lowest point, in the air, down to where it will stand.
     pub(super) above: f32,
     /// Turn about +Y from the clip's foot to the placed foot, radians.
@@ -180,6 +182,13 @@ impl FootState {
     /// Forgets the ground; the next frame starts from the clip.
     pub fn reset(&mut self) {
         *self = Self { released: Release::Reset, ..Self::default() };
+    }
+
+    /// Forgets how it moved; where it stands and where it goes holds.
+    pub(super) fn forget_motion(&mut self) {
+        self.carry.forget();
+        self.pace = Pace::default();
+        self.soften.forget();
     }
 
     /// One frame: decides what the foot does and where it goes.

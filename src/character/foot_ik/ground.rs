@@ -111,6 +111,14 @@ pub struct Footprint {
     pub heel_gap: f32,
 }
 
+impl Footprint {
+    /// Whether the sole lies on the plane without sticking in the ground.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.stuck <= TOLERATED
+    }
+}
+
 /// Metres that a sole may sink at heel or tip without counting as stuck; rough ground is never a plane.
 const TOLERATED: f32 = 0.004;
 /// Metres between the places that a landing tries.
@@ -188,7 +196,7 @@ pub fn find_room(
         .filter(|shift| shift.abs() <= most);
     for shift in tries {
         let Some(print) = footprint(probe, reach, ball + forward * shift, forward, sole) else { continue };
-        if print.stuck <= TOLERATED {
+        if print.has_room() {
             return Some((shift, print));
         }
         if best.is_none_or(|(_, least)| print.stuck < least.stuck) {

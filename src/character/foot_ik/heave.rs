@@ -5,7 +5,6 @@
 
 use bevy::math::Vec3;
 
-use super::LONG;
 use crate::math::fade::ebb;
 
 /// Largest acceleration of the pelvis, m/s²; a run's own is 12.
@@ -38,7 +37,7 @@ impl Left {
 impl Heave {
     /// Metres by which hips that are asked to be at the world height `asked` stay off it. Who falls or jumps is `free` to.
     pub(super) fn keep(&mut self, asked: f32, free: bool, dt: f32) -> f32 {
-        let (dt, free) = (dt.max(1e-4), free || dt >= LONG);
+        let dt = dt.max(1e-4);
         self.left =
             self.left.map(|left| Left { elapsed: left.elapsed + dt, ..left }).filter(|left| left.elapsed < EASES);
         let mut offset = self.left.map_or(0.0, |left| left.offset());

@@ -115,6 +115,12 @@ impl FootIk {
         }
         self.pelvis.reset();
     }
+
+    /// Carries no motion over into this frame.
+    fn forget_motion(&mut self) {
+        self.feet.iter_mut().for_each(FootState::forget_motion);
+        self.pelvis.forget_motion();
+    }
 }
 
 /// Places feet.
@@ -156,6 +162,9 @@ fn plant(
             let body = Body { root, motion, locomotion, asset, wanted, dt, turns: ik.turns, clips };
             if pacing.is_some_and(|pacing| pacing.returns) {
                 ik.reset();
+            }
+            if dt >= LONG {
+                ik.forget_motion();
             }
             if !wanted && ik.weight < OFF {
                 let animated = ik.animated(&body, &pose);

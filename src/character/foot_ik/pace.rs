@@ -5,7 +5,7 @@
 
 use bevy::prelude::*;
 
-use super::{LONG, SEEN};
+use super::SEEN;
 use crate::{
     anim::{leg::Leg, pose::Pose, skeleton::Skeleton},
     math::rotation::{angle_between, to_scaled_axis},
@@ -83,7 +83,7 @@ impl Pace {
         let before = self.shares.unwrap_or([1.0; 2]);
         let shares = [shares[0].min(shares[1]).min(before[0] + CATCHES_UP), shares[2].min(before[1] + CATCHES_UP)];
         self.stands = if flies { 0.0 } else { self.stands + dt };
-        self.late = dt < LONG && (self.stands < LANDS || self.late) && shares[0].min(shares[1]) < 1.0;
+        self.late = (self.stands < LANDS || self.late) && shares[0].min(shares[1]) < 1.0;
         self.shares = None;
         if let Some(last) = self.last.filter(|_| self.late) {
             self.shares = Some(shares.map(|share| share.min(1.0)));

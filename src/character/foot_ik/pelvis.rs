@@ -6,7 +6,7 @@
 
 use bevy::prelude::*;
 
-use super::{LONG, ON, heave::Heave, ride::Ride};
+use super::{ON, heave::Heave, ride::Ride};
 use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
 
 /// Half-life in seconds in which the body follows a change of the slope that it rides over.
@@ -86,6 +86,11 @@ impl PelvisState {
         *self = Self::default();
     }
 
+    /// Forgets how it moved; what it stands on holds.
+    pub(super) fn forget_motion(&mut self) {
+        *self = Self { drop: self.drop, ground: self.ground, offset: self.offset, ..Self::default() };
+    }
+
     /// The body has come to the ground: legs bend to stop it.
     pub(super) fn land(&mut self) {
         self.fall = Fall::Stops { speed: self.hips.map_or(0.0, |hips| hips.velocity), own: None };
@@ -105,10 +110,6 @@ impl PelvisState {
     /// One frame just over the ground, at the height `floor`, hips that else were at the height `hips`, both world: metres by
     /// which they fall on, below (negative) or above the clip's.
     pub(super) fn fall_on(&mut self, hips: f32, floor: f32, length: f32, dt: f32) -> f32 {
-        if dt >= LONG {
-            self.fly_free(hips, dt);
-            return 0.0;
-        }
         if !self.falls() {
             self.land();
         }
@@ -139,9 +140,6 @@ impl PelvisState {
     ///
     /// The pelvis goes on as it did, then slows evenly, the harder the less room there is, then comes back.
     fn stop_fall(&mut self, hips: f32, lowest: f32, dt: f32) -> f32 {
-        if dt >= LONG {
-            self.fall = Fall::Over;
-        }
         let Some(last) = self.hips else { return 0.0 };
         let most = (hips - lowest).max(0.0);
         match self.fall {

@@ -5,7 +5,6 @@
 
 use bevy::prelude::*;
 
-use super::LONG;
 use crate::{
     anim::{
         leg::Leg,
@@ -43,9 +42,6 @@ impl Limits {
 
     /// For a frame of `dt` seconds, while the clips are so lively.
     pub(super) fn of(clips: Peak, dt: f32) -> Self {
-        if dt >= LONG {
-            return Self::NONE;
-        }
         Self { jump: LIVELIER.0 * clips.velocity_jump, turn: LIVELIER.1 * clips.joint_speed * dt, share: 1.0 }
     }
 }
@@ -105,6 +101,11 @@ impl Soften {
             }
         }
         self.note(asked, shown, places(pose, leg), dt);
+    }
+
+    /// Nothing is known of how the leg moved.
+    pub(super) fn forget(&mut self) {
+        *self = Self { elapsed: EASES, ..Self::default() };
     }
 
     /// Whether the leg isn't quite as it is asked to be.

@@ -18,6 +18,8 @@ use crate::math::{
 
 /// Metres of height between two grounds that don't carry one sole.
 const ACROSS: f32 = 0.05;
+/// Metres from its landing from which on a foot that comes down early goes on to there.
+const AMISS: f32 = 0.01;
 /// Metres by which one end of the sole must be over the other to count as lifted.
 const ROLLED: f32 = 0.002;
 /// Half-lives in seconds: in which a heel comes down after a landing on the toes, and in which a foot takes its weight.
@@ -29,8 +31,14 @@ const SETTLE: f32 = 0.02;
 impl FootState {
     /// Takes hold of the ground where the foot is now.
     pub(super) fn lock<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
-        self.carry.end();
         self.placed_ball = self.landing.carried(self.placed_ball, around.frames);
+        let rest = flat(self.landing.place - self.placed_ball);
+        let has_room = |place: Vec3| print_at(place, foot.forward, around).is_some_and(|print| print.has_room());
+        if self.mode == Mode::Swing && (rest.length() > AMISS || !has_room(self.placed_ball)) {
+            // The clip's foot came down between two frames: until then this one went on to where there is room.
+            self.placed_ball += rest.clamp_length_max(flat(self.carry.velocity()).length() * around.dt);
+        }
+        self.carry.end();
         self.aside = flat(self.placed_ball - foot.ball).length();
         // After a step of its own a foot takes its weight by and by.
         self.forefoot = if matches!(self.mode, Mode::Stepping { .. }) { 0.0 } else { 1.0 };
