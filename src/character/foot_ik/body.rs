@@ -31,6 +31,8 @@ const HEEL: (f32, f32) = (8.0, 0.06);
 /// it is.
 const LATE_CLEARS: f32 = 0.02;
 const LATE_LIFTS: f32 = 0.005;
+/// Metres of such a lift that nobody sees.
+const LEAST_LIFT: f32 = 1e-4;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
@@ -47,6 +49,18 @@ pub(super) struct Body<'a> {
     pub(super) turns: f32,
     /// How lively the clips are that play.
     pub(super) clips: Peak,
+}
+
+/// Where a leg shall have its foot.
+pub(super) struct LegAim<'a, P> {
+    pub(super) placed: &'a PlacedFoot,
+    /// How much of the effect is on, 0..1.
+    pub(super) weight: f32,
+    /// Least speed of the leg's joints that it may have, rad/s: who stops a fall is in a hurry.
+    pub(super) hurry: f32,
+    /// Tuning, scaled to the leg.
+    pub(super) config: &'a FootIkConfig,
+    pub(super) probe: &'a P,
 }
 
 impl Body<'_> {
@@ -166,26 +180,49 @@ impl Body<'_> {
         0.08 * self.asset.leg_length
     }
 
-    pub(super) fn solve_leg(
+    /// Sets a leg of `pose` onto its foot, no livelier than clips are.
+    pub(super) fn solve_leg<P: Probe>(
         &self,
         pose: &mut CharacterPose,
         side: usize,
-        placed: &PlacedFoot,
         foot: &mut FootState,
-        (weight, hurry): (f32, f32),
-        config: &FootIkConfig,
-        probe: &impl Probe,
+        aim: &LegAim<'_, P>,
     ) -> LegResult {
-        let (ankle_world, turn_world) = (placed.ankle, placed.turn);
         let leg = &self.asset.legs[side];
+        let result = self.reach_for(pose, leg, foot, aim);
+        let fastest = self.locomotion.leg_speed(self.asset).max(aim.hurry);
+        let asked = pose.pose.position(leg.foot);
+        foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
+        self.lift_late(pose, leg, foot, aim);
+        let limits = if aim.hurry > 0.0 || aim.weight < ON {
+            Limits { share: aim.weight, ..Limits::NONE }
+        } else {
+            Limits::of(self.clips, self.dt)
+        };
+        foot.soften.keep(&mut pose.pose, &self.asset.skeleton, leg, limits, self.dt);
+        foot.note_droop(&pose.pose, leg, aim.placed);
+        foot.missed = result.missed;
+        foot.behind = pose.pose.position(leg.foot).distance(asked);
+        result
+    }
+
+    /// Turns hip, knee and ankle so that the foot is where it was placed; its heel lifts where the leg is too short.
+    fn reach_for<P: Probe>(
+        &self,
+        pose: &mut CharacterPose,
+        leg: &Leg,
+        foot: &mut FootState,
+        aim: &LegAim<'_, P>,
+    ) -> LegResult {
+        let LegAim { placed, weight, config, .. } = *aim;
         let model_from_world = self.root.to_isometry().inverse();
-        let turn = Quat::IDENTITY.slerp(turn_world, weight);
+        let turn = Quat::IDENTITY.slerp(placed.turn, weight);
         let turn_model = model_from_world.rotation * turn * model_from_world.rotation.inverse();
         let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
         let animated = pose.pose.position(leg.upper).distance(pose.pose.position(leg.foot));
         // A clip's own stretch is not resisted: level ground shows the clip as it is.
         let soft = config.extension.0.max((animated / leg.length()).min(config.extension.1 - 0.005));
-        let ankle = model_from_world * ankle_world;
+        let ankle = model_from_world * placed.ankle;
         // The heel lifts about the toes' joint: that is where a foot bends.
         let rest = leg.toes.unwrap_or(leg.foot);
         let ball = ankle + turn_model * (pose.pose.position(rest) - pose.pose.position(leg.foot));
@@ -220,43 +257,31 @@ impl Body<'_> {
         if let Some((toes, rotation)) = toes.filter(|_| lifted > 0.0) {
             keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
         }
-        let fastest = self.locomotion.leg_speed(self.asset).max(hurry);
-        let asked = pose.pose.position(leg.foot);
-        foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
-        if foot.plant().is_some() {
-            foot.lifted = 0.0;
-        } else if foot.pace.is_late() || foot.lifted > 0.0 {
-            self.lift_late(pose, leg, placed, foot, |point| self.reach(config).height(probe, point));
-        }
-        let limits = if hurry > 0.0 || weight < ON {
-            Limits { share: weight, ..Limits::NONE }
-        } else {
-            Limits::of(self.clips, self.dt)
-        };
-        foot.soften.keep(&mut pose.pose, &self.asset.skeleton, leg, limits, self.dt);
-        foot.note_droop(&pose.pose, leg, placed);
-        foot.missed = result.missed;
-        foot.behind = pose.pose.position(leg.foot).distance(asked);
         result
     }
 
     /// Lifts the foot of a leg that is late over the ground under it: the knee bends further instead.
-    fn lift_late(
+    fn lift_late<P: Probe>(
         &self,
         pose: &mut CharacterPose,
         leg: &Leg,
-        placed: &PlacedFoot,
         foot: &mut FootState,
-        ground: impl Fn(Vec3) -> Option<f32>,
+        LegAim { placed, config, probe, .. }: &LegAim<'_, P>,
     ) {
+        let late = foot.plant().is_none() && foot.pace.is_late();
+        if foot.plant().is_some() || !late && foot.lifted <= 0.0 {
+            foot.lifted = 0.0;
+            return;
+        }
+        let ground = |point: Vec3| self.reach(config).height(*probe, point);
         let over = |point: Vec3| point.y - ground(point).unwrap_or_else(|| placed.plane.height(point));
         let lowest = |points: [Vec3; 3]| points.map(over).into_iter().fold(f32::MAX, f32::min);
         let world_from_model = self.root.to_isometry();
         let made = sole_model(&pose.pose, leg).map(|point| world_from_model * point);
-        let lift = if foot.pace.is_late() { lowest(placed.sole).min(LATE_CLEARS) - lowest(made) } else { 0.0 };
+        let wanted = if late { lowest(placed.sole).min(LATE_CLEARS) - lowest(made) } else { 0.0 };
         // An edge comes between the foot and its place from one frame to the next.
-        let lift = damp(foot.lifted, lift.max(0.0), LATE_LIFTS, self.dt);
-        foot.lifted = if lift < 1e-4 { 0.0 } else { lift };
+        let lift = damp(foot.lifted, wanted.max(0.0), LATE_LIFTS, self.dt);
+        foot.lifted = if lift < LEAST_LIFT { 0.0 } else { lift };
         if foot.lifted > 0.0 {
             let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
             let ankle = pose.pose.position(leg.foot) + Vec3::Y * lift;

@@ -25,7 +25,7 @@ mod way;
 
 use bevy::prelude::*;
 
-use body::Body;
+use body::{Body, LegAim};
 pub use foot::{FootState, Mode, Pivot, Plant, Release};
 pub use ground::{Footprint, GroundHit, Plane, Probe, Reach, SoleShape, find_room, footprint};
 pub use near::{Grounds, NearProbe};
@@ -226,9 +226,9 @@ impl FootIk {
         self.sink_pelvis(body, pose, &animated, &placed, ankles, config);
         let hurry = self.pelvis.bending(body.asset.leg_length);
         for side in 0..2 {
-            let placed = PlacedFoot { ankle: ankles[side], ..placed[side] };
-            self.legs[side] =
-                body.solve_leg(pose, side, &placed, &mut self.feet[side], (self.weight, hurry), config, probe);
+            let placed = &PlacedFoot { ankle: ankles[side], ..placed[side] };
+            let aim = LegAim { placed, weight: self.weight, hurry, config, probe };
+            self.legs[side] = body.solve_leg(pose, side, &mut self.feet[side], &aim);
         }
     }
 
