@@ -34,10 +34,10 @@ pub struct Recorder {
     /// Seconds from one recorded frame to the next, whatever the frame rate. 0 records what is shown, frame by frame. Default 0.
     ///
     /// Two frame rates compare only where both are seen at the same moments: speeds and changes are differences of frames. Poses
-    /// between two frames are blended; what holds a foot, what plays and where the ground is are those of the later one.
+    /// between two frames are blended, and so is where grounds are; what holds a foot and what plays is that of the later one.
     pub every: f32,
-    /// Pose and root of the last frame, and the seconds from the last recorded one to it.
-    shown: Option<(Pose, Transform)>,
+    /// The last frame, and the seconds from the last recorded one to it.
+    shown: Option<Shown>,
     since: f32,
     clock: f32,
     motion: JointMotion,
@@ -100,13 +100,46 @@ pub struct Playing {
     pub rate: f32,
 }
 
+/// A frame as it was shown: pose, root, and the grounds that feet are over.
+#[derive(Clone, Debug)]
+struct Shown {
+    pose: Pose,
+    root: Transform,
+    grounds: Vec<(Entity, Isometry3d)>,
+}
+
+impl Shown {
+    fn of(seen: &Seen<'_>, under: &[(Entity, Isometry3d)], now: &impl GroundFrames) -> Self {
+        let grounds = under.iter().filter_map(|(entity, _)| Some((*entity, now.frame(*entity)?))).collect();
+        Self { pose: seen.pose.clone(), root: *seen.root, grounds }
+    }
+}
+
+/// Grounds between two frames.
+struct Between<'a, G> {
+    last: &'a [(Entity, Isometry3d)],
+    now: &'a G,
+    share: f32,
+}
+
+impl<G: GroundFrames> GroundFrames for Between<'_, G> {
+    fn frame(&self, entity: Entity) -> Option<Isometry3d> {
+        let now = self.now.frame(entity)?;
+        let known = self.last.iter().find(|(known, _)| *known == entity);
+        Some(known.map_or(now, |(_, last)| {
+            let translation = last.translation.lerp(now.translation, self.share);
+            Isometry3d::new(translation, last.rotation.slerp(now.rotation, self.share))
+        }))
+    }
+}
+
 /// Seconds by which a frame may come too early to be recorded.
 const EARLY: f32 = 1e-4;
 
 impl Recorder {
     /// Forgets what was recorded.
     pub fn restart(&mut self) {
-        *self = Self { every: self.every, ..Self::default() };
+        *self = Self { every: self.every, grounds: core::mem::take(&mut self.grounds), ..Self::default() };
     }
 
     /// Records one frame of `dt` seconds, or what lies in it of those that are recorded [`every`](Self::every) so many seconds.
@@ -114,22 +147,23 @@ impl Recorder {
         if self.every <= 0.0 {
             return self.take(seen, probe, grounds, dt);
         }
-        let (last, before) = self.shown.take().unwrap_or_else(|| (seen.pose.clone(), *seen.root));
+        let last = self.shown.take().unwrap_or_else(|| Shown::of(seen, &self.grounds, grounds));
         self.since += dt;
         while self.since >= self.every - EARLY {
             self.since -= self.every;
             let share = (1.0 - self.since / dt).clamp(0.0, 1.0);
-            let mut pose = last.clone();
+            let mut pose = last.pose.clone();
             lerp_into(pose.locals_mut(), seen.pose.locals(), share);
             pose.update_model(&seen.asset.skeleton);
             let root = Transform {
-                translation: before.translation.lerp(seen.root.translation, share),
-                rotation: before.rotation.slerp(seen.root.rotation, share),
+                translation: last.root.translation.lerp(seen.root.translation, share),
+                rotation: last.root.rotation.slerp(seen.root.rotation, share),
                 scale: seen.root.scale,
             };
-            self.take(&Seen { pose: &pose, root: &root, ..*seen }, probe, grounds, self.every);
+            let between = Between { last: &last.grounds, now: grounds, share };
+            self.take(&Seen { pose: &pose, root: &root, ..*seen }, probe, &between, self.every);
         }
-        self.shown = Some((seen.pose.clone(), *seen.root));
+        self.shown = Some(Shown::of(seen, &self.grounds, grounds));
     }
 
     fn take(&mut self, seen: &Seen<'_>, probe: &impl Probe, grounds: &impl GroundFrames, dt: f32) {

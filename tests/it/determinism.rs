@@ -9,12 +9,12 @@ use bevy::{
 };
 use surefoot::{
     character::animator::CharacterPose,
-    measure::{
-        frame::Frame,
-        summary::{Measures, summarize_all},
-    },
+    measure::bars::Row,
     rig::character::CharacterAsset,
-    testing::{Stage, Tape, World},
+    testing::{
+        Stage, Tape, World,
+        gauntlet::{Runner, courses, rates::compare_all},
+    },
 };
 
 /// The mannequin, loaded once.
@@ -84,84 +84,55 @@ fn the_same_tape_gives_the_same_poses_on_any_number_of_threads() {
     }
 }
 
-/// Where a tape ends at a frame rate, and the figures of all runs together, measured at moments `every` so many seconds apart.
-///
-/// The tape begins between those moments, in each run elsewhere: what is quick looks another way half a frame later.
-fn outcome(world: &World, tape: &Tape, hertz: f32, every: f32) -> (Vec3, Measures) {
-    let runs: Vec<(Vec3, Vec<Frame>)> = (0..RUNS)
-        .map(|run| {
-            let mut stage = Stage::on(world);
-            let walker = stage.spawn_loaded(mannequin(), &[Transform::IDENTITY])[0];
-            stage.set_frame_rate(hertz);
-            stage.run_for(0.5).record_every(walker, every).start_recording(walker);
-            stage.play(walker, &tape.later(every * run as f32 / RUNS as f32));
-            (stage.root(walker), stage.frames(walker).to_vec())
-        })
-        .collect();
-    let frames: Vec<&[Frame]> = runs.iter().map(|(_, frames)| &frames[..]).collect();
-    (runs[0].0, summarize_all(&frames))
-}
-
-/// Runs of a tape at each frame rate.
-const RUNS: usize = 4;
 /// Metres by which the end of a tape may differ.
 const END: f32 = 0.01;
-/// Share by which a measure may differ.
-const SHARE: f32 = 0.2;
-/// Share of its bar below which a difference of a measure can't be told: poses between two frames are blended, and what falls
-/// into one frame at one rate falls between two at another.
-const NOISE: f32 = 0.1;
-/// Seconds of the controller's ticks.
-const TICK: f32 = 1.0 / 64.0;
+/// Runs of a tape at each frame rate.
+const STARTS: usize = 4;
 
-/// Both sides are measured at the same moments, 60 in a second, or as many as the slower one has.
-fn assert_alike_at_all_frame_rates(world: &World, tape: &Tape) {
-    let case = format!("{} / {}", world.name, tape.name);
+fn assert_alike_at_all_frame_rates(world: &str, tapes: &[&str]) {
+    let runner = Runner::mannequin().unwrap();
+    let courses: Vec<_> =
+        courses().into_iter().filter(|at| at.world.name == world && tapes.contains(&&*at.tape.name)).collect();
+    assert_eq!(courses.len(), tapes.len(), "not every one of {tapes:?} is on {world}");
     let mut wrong = Vec::new();
-    for hertz in [30.0f32, 144.0] {
-        let every = 1.0 / hertz.min(60.0);
-        let (usual_end, usual) = outcome(world, tape, 60.0, every);
-        let (end, other) = outcome(world, tape, hertz, every);
-        let away = end.distance(usual_end);
-        println!("{case} at {hertz} Hz: ends {:.1} mm away", away * 1000.0);
-        if away > END {
-            wrong.push(format!("at {hertz} Hz it ends {:.1} mm away", away * 1000.0));
+    for alike in compare_all(&courses, &runner, &[30.0, 144.0], STARTS, || ()).unwrap() {
+        let case = format!("{} / {} at {} Hz", alike.world, alike.tape, alike.hertz);
+        println!("{case}: ends {:.1} mm away", alike.away * 1000.0);
+        if alike.away > END {
+            wrong.push(format!("{case} ends {:.1} mm away", alike.away * 1000.0));
         }
-        for (usual, other) in world.bars().rows(&usual).iter().zip(world.bars().rows(&other)) {
-            let (Some(a), Some(b)) = (usual.value, other.value) else { continue };
-            let mut allowed = (SHARE * a.max(b)).max(NOISE * usual.limit);
-            if usual.key == "start_frames" {
-                // An intent waits for the next tick, and what came of it for the next moment that is measured.
-                allowed = allowed.max(((TICK + every) / every).round());
-            }
-            // Whether the last frame before a landing counts as sliding depends on how high it finds the foot: only more is worse.
-            let differs = if usual.key == "skate_cm_s" { b - a } else { (a - b).abs() } > allowed;
-            println!("  {:<28} {a:>9.3} {b:>9.3}{}", usual.name, if differs { "  differs" } else { "" });
-            if differs {
-                wrong.push(format!("{} is {a:.3} {} at 60 Hz and {b:.3} at {hertz} Hz", usual.name, usual.unit));
+        for pair in &alike.pairs {
+            let Row { name, unit, .. } = pair.row;
+            println!("  {name:<28} {:>9.3} {:>9.3}", pair.usual, pair.other);
+            if pair.differs() {
+                wrong.push(format!("{case}: {name} is {:.3} {unit}, {:.3} at 60 Hz", pair.other, pair.usual));
             }
         }
     }
-    assert!(wrong.is_empty(), "{case}: {}", wrong.join("; "));
+    assert!(wrong.is_empty(), "{}", wrong.join("; "));
 }
 
 #[test]
-fn a_walk_on_the_flat_is_alike_at_30_60_and_144_hertz() {
-    assert_alike_at_all_frame_rates(&World::flat(), &Tape::walk());
-    assert_alike_at_all_frame_rates(&World::flat(), &Tape::start_stop());
-}
-
-#[test]
-fn a_run_on_the_flat_is_alike_at_30_60_and_144_hertz() {
-    assert_alike_at_all_frame_rates(&World::flat(), &Tape::run());
+fn walks_and_runs_on_the_flat_are_alike_at_30_60_and_144_hertz() {
+    assert_alike_at_all_frame_rates("flat", &["walk", "run", "start and stop"]);
 }
 
 #[test]
 fn a_walk_on_stairs_is_alike_at_30_60_and_144_hertz() {
-    assert_alike_at_all_frame_rates(&World::stairs_up(12, 0.17, 0.29), &Tape::walk());
+    assert_alike_at_all_frame_rates("stairs up", &["walk", "run"]);
 }
 
 #[test]
 fn a_walk_on_hills_is_alike_at_30_60_and_144_hertz() {
-    assert_alike_at_all_frame_rates(&World::hills(), &Tape::s_curve());
+    assert_alike_at_all_frame_rates("hills", &["S-curve"]);
+}
+
+#[test]
+fn walks_over_curbs_are_alike_at_30_60_and_144_hertz() {
+    assert_alike_at_all_frame_rates("curb", &["walk"]);
+}
+
+#[test]
+fn rides_are_alike_at_30_60_and_144_hertz() {
+    assert_alike_at_all_frame_rates("moving platform", &["walk", "stand"]);
 }

@@ -15,6 +15,7 @@ mod built_in;
 #[path = "no_built_in.rs"]
 mod built_in;
 mod courses;
+pub mod rates;
 mod run;
 
 pub use courses::{Course, courses};

@@ -106,26 +106,35 @@ const SETTLING: f32 = 0.5;
 /// # Errors
 /// When a job needs a file that can't be loaded.
 pub fn run(jobs: &[Job], runner: &Runner, done: impl Fn() + Sync) -> Result<Vec<Row>, StageError> {
+    each(jobs, |job| job.run(runner), done)
+}
+
+/// What `work` makes of each job, on all cores, in the order of `jobs`.
+pub(super) fn each<J: Sync, R: Send>(
+    jobs: &[J],
+    work: impl Fn(&J) -> Result<R, StageError> + Sync,
+    done: impl Fn() + Sync,
+) -> Result<Vec<R>, StageError> {
     let next = AtomicUsize::new(0);
-    let rows = Mutex::new(Vec::with_capacity(jobs.len()));
-    let work = || {
+    let results = Mutex::new(Vec::with_capacity(jobs.len()));
+    let take = || {
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
             let Some(job) = jobs.get(index) else { break };
-            let row = job.run(runner);
+            let result = work(job);
             done();
-            rows.lock().unwrap_or_else(PoisonError::into_inner).push((index, row));
+            results.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
         }
     };
     thread::scope(|scope| {
         let cores = thread::available_parallelism().map_or(1, usize::from);
         for _ in 0..cores.min(jobs.len()) {
-            scope.spawn(work);
+            scope.spawn(take);
         }
     });
-    let mut rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
-    rows.sort_by_key(|(index, _)| *index);
-    rows.into_iter().map(|(_, row)| row).collect()
+    let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.sort_by_key(|(index, _)| *index);
+    results.into_iter().map(|(_, result)| result).collect()
 }
 
 impl Job {
