@@ -2,6 +2,7 @@
 
 mod json;
 mod plot;
+mod rates;
 mod readme;
 mod table;
 
@@ -17,7 +18,7 @@ use thiserror::Error;
 
 use crate::testing::{
     StageError,
-    gauntlet::{Course, Feet, Row, Runner, courses, jobs, run as run_all},
+    gauntlet::{Course, Feet, Row, Runner, courses, jobs, rates::compare_all, run as run_all},
 };
 
 /// Flags of `surefoot gauntlet`.
@@ -38,6 +39,9 @@ pub struct GauntletOptions {
     /// Runs the few rows that a README shows and writes their table into FILE, between its marks.
     #[arg(long, value_name = "FILE", conflicts_with = "only", num_args = 0..=1, default_missing_value = "README.md")]
     pub readme: Option<PathBuf>,
+    /// Instead plays each row at 30 and 144 frames a second, too, and prints what differs from 60.
+    #[arg(long, conflicts_with_all = ["json", "plot", "readme", "strict"])]
+    pub frame_rates: bool,
     /// Exits with 1 when a row with foot IK is over a bar.
     #[arg(long)]
     pub strict: bool,
@@ -81,6 +85,10 @@ impl GauntletError {
 /// The character's file that is measured when none is named, in the folder of assets.
 const MANNEQUIN: &str = "mannequin.character.ron";
 
+/// Frames a second that `--frame-rates` compares with 60, and how often each plays a tape.
+const RATES: [f32; 2] = [30.0, 144.0];
+const STARTS: usize = 2;
+
 /// Runs what `options` ask for, with the mannequin of the folder `assets` unless they name another character.
 ///
 /// Gives whether every row with foot IK holds its bars.
@@ -93,6 +101,13 @@ pub fn run(options: &GauntletOptions, assets: &Path) -> Result<bool, GauntletErr
         courses.retain(readme::shows);
     }
     let runner = load(options.character.as_deref(), assets)?;
+    if options.frame_rates {
+        let bar = progress(courses.len() * RATES.len());
+        let rows = compare_all(&courses, &runner, &RATES, STARTS, || tick(&bar))?;
+        bar.finish_and_clear();
+        print!("{}", rates::Rates(&rows));
+        return Ok(true);
+    }
     let rows = measured(&courses, &runner)?;
     print!("{}", table::Comparison(&rows));
     if let Some(file) = &options.json {
