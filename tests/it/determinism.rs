@@ -133,6 +133,11 @@ fn walks_over_curbs_are_alike_at_30_60_and_144_hertz() {
 }
 
 #[test]
+fn standing_on_a_slope_is_alike_at_30_60_and_144_hertz() {
+    assert_alike_at_all_frame_rates("slope 30°", &["stand in 12 places"]);
+}
+
+#[test]
 fn rides_are_alike_at_30_60_and_144_hertz() {
     assert_alike_at_all_frame_rates("moving platform", &["walk", "stand"]);
 }

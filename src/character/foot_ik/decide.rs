@@ -38,6 +38,8 @@ const MISSES: f32 = 0.02;
 const BEHIND: f32 = 0.01;
 /// The same for a foot that stands already: from there on it steps.
 const SLIDES: f32 = 0.03;
+/// Seconds in which the pelvis of one who stands sinks so far that his legs reach.
+const SINKS: f32 = 0.4;
 /// Share of its time in the air from which on a foot counts as landed when its clip stands.
 const NEARLY: f32 = 0.85;
 /// Metres of a step from which on it is lifted by the whole step height.
@@ -65,7 +67,9 @@ impl FootState {
                 let config = around.config;
                 // A gait lifts the foot soon by itself.
                 let patience = if around.may_restep { 1.0 } else { PATIENCE };
-                if self.missed > MISSES || self.behind > SLIDES {
+                let strained = self.missed > MISSES || self.behind > SLIDES;
+                self.strained = if strained { self.strained + around.dt } else { 0.0 };
+                if strained && (self.strained > SINKS || !around.may_restep) {
                     self.begin_step(Release::TooFar, foot, around);
                 } else if foot.contact < 0.9 || matches!(around.other, None | Some(Pivot::Tip)) {
                     // Half lifted already, or the other is or soon will be.

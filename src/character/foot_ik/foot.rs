@@ -118,6 +118,8 @@ pub struct FootState {
     pub(super) soften: Soften,
     /// Metres by which the leg didn't reach where the foot was put in the last frame.
     pub(super) missed: f32,
+    /// Seconds for which that was too far while it stands.
+    pub(super) strained: f32,
     /// Metres by which the leg, which moves no faster than it may, was behind that.
     pub(super) behind: f32,
     /// Metres by which a leg that is late has its foot lifted over the ground.
