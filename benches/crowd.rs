@@ -2,46 +2,63 @@
 //! skinning matrices written.
 //!
 //! Run by `cargo bench`; `cargo bench --bench crowd -- 500` takes another number. Prints the median time of a frame,
-//! of the pose stages together and each alone, and of one character.
+//! of the pose stages together and of one character, then that of each part of a frame.
 
 mod mannequins;
 
 use std::time::{Duration, Instant};
 
-use bevy::prelude::*;
+use avian3d::prelude::PhysicsSystems;
+use bevy::{
+    ecs::schedule::{Schedules, SingleThreadedExecutor},
+    prelude::*,
+};
 use surefoot::{
-    character::{locomotion::Locomotion, schedule::PoseSystems},
+    character::{
+        locomotion::Locomotion,
+        schedule::{MotionSystems, PoseSystems},
+    },
     testing::laps::lap_stages,
 };
 
 use mannequins::Mannequins;
 
-/// When the last pose stage ended, and how long each took.
+/// When the last part of a frame ended, and how long each took.
 #[derive(Resource, Default)]
 struct Watch {
     last: Option<Instant>,
-    laps: [Vec<Duration>; STAGES],
+    laps: [Vec<Duration>; PARTS],
 }
 
-/// Stages of a frame's poses.
-const STAGES: usize = PoseSystems::ALL.len();
+/// Parts of a frame before its poses: what leads up to the controller, the controller, what leads up to physics, physics,
+/// the interpolation of what they moved.
+const BEFORE: [&str; 5] = ["First", "Move", "Between", "Physics", "Interpolate"];
+
+/// Parts of a frame: those before, the stages of its poses, and what comes last.
+const PARTS: usize = BEFORE.len() + PoseSystems::ALL.len() + 1;
 
 fn main() {
-    let titles: String = PoseSystems::ALL.iter().map(|stage| format!("{:>10}", format!("{stage:?}"))).collect();
-    println!("{:>10} {:>10} {:>10} {:>13} |{titles} ms", "characters", "frame ms", "poses ms", "µs/character");
+    println!("{:>10} {:>10} {:>10} {:>13}", "characters", "frame ms", "poses ms", "µs/character");
     let asked: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
     for count in if asked.is_empty() { vec![1, 100, 1_000] } else { asked } {
-        let (frame, stages) = measure(count);
-        let poses: Duration = stages.iter().sum();
+        let (frame, parts) = measure(count);
+        let poses: Duration = parts[BEFORE.len()..PARTS - 1].iter().sum();
         let each = poses.as_secs_f64() * 1e6 / count as f64;
-        let stages: String = stages.iter().map(|stage| format!("{:>10.3}", stage.as_secs_f64() * 1e3)).collect();
-        let (frame, poses) = (frame.as_secs_f64() * 1e3, poses.as_secs_f64() * 1e3);
-        println!("{count:>10} {frame:>10.3} {poses:>10.3} {each:>13.2} |{stages}");
+        println!("{count:>10} {:>10.3} {:>10.3} {each:>13.2}", millis(frame), millis(poses));
+        let stages = PoseSystems::ALL.map(|stage| format!("{stage:?}"));
+        let names = BEFORE.iter().copied().chain(stages.iter().map(String::as_str)).chain(["Last"]);
+        for (name, part) in names.zip(parts) {
+            println!("{:>10} {:>10.3} {name}", "", millis(part));
+        }
     }
 }
 
-/// Median of a whole frame and of each of its pose stages.
-fn measure(count: usize) -> (Duration, [Duration; STAGES]) {
+fn millis(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+/// Median of a whole frame and of each of its parts.
+fn measure(count: usize) -> (Duration, [Duration; PARTS]) {
     let mut crowd = Mannequins::new(count, watch);
     let heard = |locomotion: &Locomotion| {
         (0..locomotion.machine.len()).filter(|state| locomotion.machine.weight(*state) > 0.0).count()
@@ -63,17 +80,25 @@ fn measure(count: usize) -> (Duration, [Duration; STAGES]) {
     (median(&mut frames), laps.each_mut().map(|laps| median(laps)))
 }
 
+/// Notes the time between the parts of a frame; all of them run on this thread.
 fn watch(app: &mut App) {
-    app.init_resource::<Watch>();
-    let start = |mut watch: ResMut<Watch>| watch.last = Some(Instant::now());
-    lap_stages(app, start, |stage| move |mut watch: ResMut<Watch>| watch.lap(stage));
+    let lap = |part: usize| move |mut watch: ResMut<Watch>| watch.lap(part);
+    app.init_resource::<Watch>()
+        .add_systems(First, |mut watch: ResMut<Watch>| watch.last = Some(Instant::now()))
+        .add_systems(FixedUpdate, (lap(0).before(MotionSystems::Decide), lap(1).after(MotionSystems::Move)))
+        .add_systems(FixedPostUpdate, (lap(2).before(PhysicsSystems::First), lap(3).after(PhysicsSystems::Last)))
+        .add_systems(Last, lap(PARTS - 1));
+    lap_stages(app, lap(4), |stage| lap(BEFORE.len() + stage));
+    for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
+        schedule.set_executor(SingleThreadedExecutor::new());
+    }
 }
 
 impl Watch {
-    fn lap(&mut self, stage: usize) {
+    fn lap(&mut self, part: usize) {
         let now = Instant::now();
         if let Some(last) = self.last.replace(now) {
-            self.laps[stage].push(now - last);
+            self.laps[part].push(now - last);
         }
     }
 }
