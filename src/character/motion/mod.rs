@@ -9,6 +9,7 @@
 mod body;
 mod capsule;
 mod casts;
+mod contacts;
 mod descent;
 mod field;
 mod fly;
@@ -27,10 +28,12 @@ mod tick;
 mod turn;
 mod walk;
 
-use avian3d::prelude::{Collider, CollisionLayers, CustomPositionIntegration, RigidBody, SpatialQueryFilter};
 use avian3d::{
     interpolation::TransformEasingSystems,
-    prelude::{SleepingDisabled, TransformInterpolation},
+    prelude::{
+        Collider, CollisionLayers, CustomPositionIntegration, NarrowPhaseSystems, PhysicsSchedule, RigidBody,
+        SleepingDisabled, SpatialQueryFilter, TransformInterpolation,
+    },
 };
 use bevy::prelude::*;
 
@@ -51,6 +54,9 @@ use tick::Tick;
 /// Must be a root entity: its `Transform` is in world space. Steer it through [`MoveIntent`], tune it through
 /// [`MotionConfig`], read [`MotionState`]. Its `CollisionLayers`, if any, decide what it collides with; move its
 /// `Transform` to teleport it.
+///
+/// The physics engine finds its contacts with dynamic bodies and sensors; with all else only where either collider has
+/// `CollisionEventsEnabled` or `CollidingEntities`.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Component)]
 #[require(
@@ -131,6 +137,7 @@ impl Plugin for MotionPlugin {
                 .chain()
                 .in_set(MotionSystems::Move),
         )
+        .add_systems(PhysicsSchedule, contacts::leave_out_idle_contacts.in_set(NarrowPhaseSystems::First))
         .add_systems(
             RunFixedMainLoop,
             (

@@ -2,6 +2,7 @@
 
 mod air;
 mod bounds;
+mod contacts;
 mod ground;
 mod platforms;
 mod stairs;
