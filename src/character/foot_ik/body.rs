@@ -162,22 +162,17 @@ impl Body<'_> {
     pub(super) fn landed(
         &self,
         now: LegReach,
-        landing: Vec3,
-        seconds: f32,
+        (landing, seconds): (Vec3, f32),
         ground: f32,
         foot: &AnimatedFoot,
+        shape: SoleShape,
     ) -> LegReach {
-        let ankle = landing + (foot.ankle - foot.ball).with_y(0.0) + Vec3::Y * self.ankle_height();
+        let ankle = landing + (foot.ankle - foot.ball).with_y(0.0) + Vec3::Y * shape.ankle_height;
         let hip = now.hip + self.motion.velocity.with_y(0.0) * seconds;
-        let level = ankle.with_y(ground + self.ankle_height());
+        let level = ankle.with_y(ground + shape.ankle_height);
         let near = (1.0 - seconds / FORESIGHT).clamp(0.0, 1.0);
         let weight = near * near * (3.0 - 2.0 * near);
         LegReach { hip, ankle, animated: hip.distance(level), slack: 0.0, weight, ..now }
-    }
-
-    /// Height of the ankle over a sole that stands flat, metres: a twelfth of the leg (0.07 of 0.875 m).
-    fn ankle_height(&self) -> f32 {
-        0.08 * self.asset.leg_length
     }
 
     /// Sets a leg of `pose` onto its foot, no livelier than clips are.

@@ -96,6 +96,8 @@ pub struct SoleShape {
     pub tip: f32,
     /// From ball back to the ankle joint above the sole, positive.
     pub ankle: f32,
+    /// Height of the ankle joint over the sole.
+    pub ankle_height: f32,
 }
 
 /// How well a sole would stand somewhere.
@@ -224,7 +226,7 @@ mod tests {
         }
     }
 
-    const SOLE: SoleShape = SoleShape { heel: 0.19, tip: 0.075, ankle: 0.135 };
+    const SOLE: SoleShape = SoleShape { heel: 0.19, tip: 0.075, ankle: 0.135, ankle_height: 0.07 };
     const REACH: Reach = Reach { root: Vec3::ZERO, up: 3.0, down: 3.0, upright: 0.6 };
 
     #[test]

@@ -103,7 +103,8 @@ impl FootIk {
             let [heel, ball, tip] = sole_model(&rest, &asset.legs[side]);
             let along = |from: Vec3, to: Vec3| (to - from).with_y(0.0).length();
             let ankle = rest.position(asset.legs[side].foot);
-            SoleShape { heel: along(heel, ball), tip: along(ball, tip), ankle: along(ankle, ball) }
+            let ankle_height = asset.legs[side].ankle_height(&asset.skeleton);
+            SoleShape { heel: along(heel, ball), tip: along(ball, tip), ankle: along(ankle, ball), ankle_height }
         });
         Self { soles, ..Self::default() }
     }
@@ -265,7 +266,7 @@ impl FootIk {
                 // By then the body rides over other ground.
                 let then = ride.height + ride.speed * seconds;
                 let now = LegReach { hip: now.hip + Vec3::Y * (then - ride.height), ..now };
-                body.landed(now, landing, seconds, then, &animated[side])
+                body.landed(now, (landing, seconds), then, &animated[side], self.soles[side])
             })
         });
         let frame = PelvisFrame { floor: root.y, hips: body.hips(pose), weight: self.weight, config, dt: body.dt };
