@@ -142,6 +142,8 @@ pub struct Workspace {
     poses: Vec<Row>,
     lanes: Lanes,
     joints: Vec<JointRows>,
+    /// Palettes of lanes that nobody has.
+    spare: Vec<JointMatrix>,
 }
 
 impl Workspace {
@@ -161,6 +163,7 @@ impl Workspace {
         self.lanes.turns.resize(turns, Default::default());
         let joints = self.joints.len().max(species.joint_count() + 1);
         self.joints.resize(joints, JointRows::default());
+        self.spare.resize(self.spare.len().max(species.slots.len() * LANES), JointMatrix::IDENTITY);
     }
 }
 
@@ -207,7 +210,7 @@ fn run<S: Simd>(
         let reaching = if until == Until::Modelled { &[] } else { block };
         model::place_joints(simd, species, &work.lanes, &mut work.joints, reaching);
         if until == Until::Written {
-            palette::write(simd, species, &work.joints, block, matrices);
+            palette::write(simd, species, &work.joints, block, matrices, &mut work.spare);
         }
     }
 }

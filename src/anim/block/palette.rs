@@ -12,7 +12,7 @@ use super::{
 };
 use crate::anim::skin::JointMatrix;
 
-/// Writes the palettes of `actors`, one lane each.
+/// Writes the palettes of `actors`, one lane each. `spare` has room for the palettes of a block.
 #[inline(always)]
 pub(super) fn write<S: Simd>(
     simd: S,
@@ -20,38 +20,48 @@ pub(super) fn write<S: Simd>(
     joints: &[JointRows],
     actors: &[Actor],
     matrices: &mut [JointMatrix],
+    spare: &mut [JointMatrix],
 ) {
+    let count = species.slots.len();
     let mut places = [const { 0..0 }; LANES];
     for (place, actor) in places.iter_mut().zip(actors) {
-        let place_of_all = actor.palette..actor.palette.saturating_add(species.slots.len());
+        let place_of_all = actor.palette..actor.palette.saturating_add(count);
         if place_of_all.end <= matrices.len() {
             *place = place_of_all;
         }
     }
-    debug_assert!(
-        places.iter().take(actors.len()).all(|p| p.len() == species.slots.len()),
-        "every palette has its place"
-    );
+    debug_assert!(places.iter().take(actors.len()).all(|p| p.len() == count), "every palette has its place");
     let palettes = matrices.get_disjoint_mut(places);
     debug_assert!(palettes.is_ok(), "no two palettes share a place");
     let Ok(palettes) = palettes else { return };
-    for (index, slot) in species.slots.iter().enumerate() {
+    // Lanes of nobody are written, too: all of one length, no matrix needs to look for its palette's end.
+    let mut spare = spare.chunks_exact_mut(count.max(1));
+    let [a, b, c, d, e, f, g, h] = palettes.map(|palette| match palette.len() == count {
+        true => palette,
+        false => spare.next().unwrap_or_default(),
+    });
+    if [&a, &b, &c, &d, &e, &f, &g, &h].iter().any(|palette| palette.len() < count) {
+        return;
+    }
+    let (a, b, c, d) = (&mut a[..count], &mut b[..count], &mut c[..count], &mut d[..count]);
+    let (e, f, g, h) = (&mut e[..count], &mut f[..count], &mut g[..count], &mut h[..count]);
+    for (index, slot) in species.slots.iter().enumerate().take(count) {
         let joint = match slot.rest {
             None => &joints[slot.joint],
             Some(rest) => &with_rest(simd, &joints[slot.joint], rest, slot.offset),
         };
         let offset = if slot.rest.is_some() { [0.0; 3] } else { slot.offset };
-        for half in 0..2 {
-            let x = quads(simd, joint, 0, half, offset);
-            let y = quads(simd, joint, 1, half, offset);
-            let z = quads(simd, joint, 2, half, offset);
-            for lane in 0..4 {
-                if let Some(matrix) = palettes[4 * half + lane].get_mut(index) {
-                    x[lane].store_slice(&mut matrix.0[0]);
-                    y[lane].store_slice(&mut matrix.0[1]);
-                    z[lane].store_slice(&mut matrix.0[2]);
-                }
-            }
+        for row in 0..3 {
+            let first = quads(simd, joint, row, 0, offset);
+            first[0].store_slice(&mut a[index].0[row]);
+            first[1].store_slice(&mut b[index].0[row]);
+            first[2].store_slice(&mut c[index].0[row]);
+            first[3].store_slice(&mut d[index].0[row]);
+            let last = quads(simd, joint, row, 1, offset);
+            last[0].store_slice(&mut e[index].0[row]);
+            last[1].store_slice(&mut f[index].0[row]);
+            last[2].store_slice(&mut g[index].0[row]);
+            last[3].store_slice(&mut h[index].0[row]);
         }
     }
 }
