@@ -3,17 +3,15 @@
 //! The physics engine's casts iterate and stop early beside large shapes; what they find is sharpened by the contact at
 //! that place. Heightfields are met without iteration.
 
-use core::cell::Cell;
-
 use avian3d::{
     collision::collider::contact_query::contact_manifolds,
-    prelude::{Collider, ContactManifold, ShapeCastConfig, SimpleCollider},
+    prelude::{Collider, ContactManifold, SimpleCollider},
 };
 use bevy::prelude::*;
 
 use super::{
-    frame::Frame,
-    heightfield::{Rest, Span, reaches_into, rest_on_triangle, triangles_in},
+    around::Solid,
+    heightfield::{Rest, Span, Sweep, rest_on_field},
     space::{Hit, SKIN, View},
 };
 
@@ -36,14 +34,6 @@ struct Contact {
     point: Vec3,
 }
 
-/// What a lowered ball touched.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Lowered {
-    pub(super) hit: Hit,
-    /// Whether the distance is exact already.
-    pub(super) exact: bool,
-}
-
 impl View<'_> {
     /// The first thing that `shape`, upright at `from`, meets on its `way`.
     pub(super) fn sweep(&self, shape: &Collider, from: Vec3, way: Vec3) -> Option<Hit> {
@@ -53,16 +43,22 @@ impl View<'_> {
     /// [`sweep`](Self::sweep) that doesn't meet the body `without`.
     pub(super) fn sweep_without(&self, shape: &Collider, from: Vec3, way: Vec3, without: Entity) -> Option<Hit> {
         let (direction, length) = Dir3::new_and_length(way).ok()?;
-        let mut grazed = None;
-        let start = shape.aabb(from, Quat::IDENTITY);
+        // Numbers that overflow find nothing; the tick then puts the body back.
+        if !from.is_finite() || !length.is_finite() {
+            return None;
+        }
         let end = way + *direction * SKIN;
+        let start = shape.aabb(from, Quat::IDENTITY);
         let slack = Vec3::splat(1e-3);
         let span =
             Span { least: start.min + end.min(Vec3::ZERO) - slack, most: start.max + end.max(Vec3::ZERO) + slack };
+        let sweep = Sweep { shape, from, way: end, span };
+        let solids = self.solids_in(span);
+        let mut grazed = None;
         for _ in 0..GRAZES {
-            let hit = self.cast(shape, from, direction, length + SKIN, |collider| {
-                Some(collider) != grazed && self.meets(collider, without) && self.may_touch(collider, span)
-            })?;
+            let met =
+                |solid: &&Solid| solid.body != without && Some(solid.entity) != grazed && solid.may_be_met(&sweep);
+            let hit = first(solids.iter().filter(met), shape, from, direction, length + SKIN)?;
             let Some(hit) = self.sharpen_sweep(shape, from, direction, hit) else {
                 grazed = Some(hit.collider);
                 continue;
@@ -78,99 +74,44 @@ impl View<'_> {
     /// The first thing that a ball lowered from `centre` touches within `reach` metres.
     ///
     /// Exact for heightfields; for the rest see [`sharpen_lowering`](Self::sharpen_lowering).
-    pub(super) fn lower(&self, ball: &Collider, radius: f32, centre: Vec3, reach: f32) -> Option<Lowered> {
-        // Heightfields met on the way; more than these in one place are left to the common cast.
-        let fields = Cell::new([None; 4]);
-        let hit = self.cast(ball, centre, Dir3::NEG_Y, reach, |collider| {
-            if !self.meets(collider, self.me) {
-                return false;
-            }
-            let mut known = fields.get();
-            let free = known.iter_mut().find(|field| field.is_none());
-            let (Some(free), true) = (free, self.is_heightfield(collider)) else { return true };
-            *free = Some(collider);
-            fields.set(known);
-            false
-        });
-        let resting = fields.get().into_iter().flatten();
-        let rest = resting
-            .filter_map(|field| self.rest_on_field(field, radius, centre, reach))
-            .min_by(|a, b| a.distance.total_cmp(&b.distance));
-        match (rest, hit) {
-            (Some(rest), None) => Some(Lowered { hit: rest, exact: true }),
-            (Some(rest), Some(hit)) if rest.distance < hit.distance - CAST_ERROR => {
-                Some(Lowered { hit: rest, exact: true })
-            }
-            (Some(rest), Some(hit)) => {
-                let hit = self.sharpen_lowering(ball, centre, hit);
-                Some(Lowered { hit: if rest.distance < hit.distance { rest } else { hit }, exact: true })
-            }
-            (None, hit) => hit.map(|hit| Lowered { hit, exact: false }),
-        }
-    }
-
-    fn is_heightfield(&self, collider: Entity) -> bool {
-        let colliders = &self.space.casts.colliders;
-        colliders.get(collider).is_ok_and(|(shape, ..)| shape.shape_scaled().as_heightfield().is_some())
-    }
-
-    fn rest_on_field(&self, collider: Entity, radius: f32, centre: Vec3, reach: f32) -> Option<Hit> {
-        let (shape, position, rotation, _) = self.space.casts.colliders.get(collider).ok()?;
-        let field = shape.shape_scaled().as_heightfield()?;
-        let frame = Frame { position: position.0, rotation: rotation.0 };
-        let span = Span { least: centre - Vec3::splat(radius) - Vec3::Y * reach, most: centre + Vec3::splat(radius) };
-        let mut rest: Option<Rest> = None;
-        triangles_in(field, frame, span, |triangle| {
-            if let Some(found) = rest_on_triangle(centre, radius, triangle)
-                && rest.is_none_or(|rest| found.height > rest.height)
-            {
-                rest = Some(found);
-            }
-        });
-        let rest = rest?;
-        let distance = (centre.y - rest.height).max(0.0);
-        (distance <= reach).then_some(Hit {
-            distance,
-            safe: distance,
-            normal: rest.normal,
-            point: rest.point,
-            collider,
-        })
-    }
-
-    /// Whether the way of a shape goes anywhere near a heightfield's surface; true for all other colliders.
-    fn may_touch(&self, collider: Entity, span: Span) -> bool {
-        let Ok((shape, position, rotation, _)) = self.space.casts.colliders.get(collider) else {
-            return false;
-        };
-        let frame = Frame { position: position.0, rotation: rotation.0 };
-        shape.shape_scaled().as_heightfield().is_none_or(|field| reaches_into(field, frame, span))
-    }
-
-    fn cast(
-        &self,
-        shape: &Collider,
-        from: Vec3,
-        direction: Dir3,
-        reach: f32,
-        meets: impl Fn(Entity) -> bool,
-    ) -> Option<Hit> {
-        // Numbers that overflow find nothing; the tick then puts the body back.
-        if !from.is_finite() || !reach.is_finite() {
+    pub(super) fn lower(&self, ball: &Collider, radius: f32, centre: Vec3, reach: f32) -> Option<Hit> {
+        if !centre.is_finite() || !reach.is_finite() {
             return None;
         }
-        let config = ShapeCastConfig { ignore_origin_penetration: true, ..ShapeCastConfig::from_max_distance(reach) };
-        let query = &self.space.casts.spatial_query;
-        let hit = query.cast_shape_predicate(shape, from, Quat::IDENTITY, direction, &config, &self.filter, &meets)?;
-        let (distance, normal, point) = (hit.distance, hit.normal1, hit.point1);
-        let sound = distance.is_finite() && normal.is_finite() && point.is_finite();
-        sound.then_some(Hit { distance, safe: distance, normal, point, collider: hit.entity })
+        let span = Span { least: centre - Vec3::splat(radius) - Vec3::Y * reach, most: centre + Vec3::splat(radius) };
+        let solids = self.solids_in(span);
+        let met = || solids.iter().filter(|solid| solid.reaches_into(span));
+        let rest = met()
+            .filter_map(|solid| Some((solid, rest_on_field(solid.field?, solid.frame, radius, centre, span)?)))
+            .max_by(|a, b| a.1.height.total_cmp(&b.1.height));
+        let hit = first(met().filter(|solid| solid.field.is_none()), ball, centre, Dir3::NEG_Y, reach);
+        let rest = rest.and_then(|(solid, Rest { height, normal, point })| {
+            let distance = (centre.y - height).max(0.0);
+            (distance <= reach).then_some(Hit {
+                distance,
+                safe: distance,
+                normal,
+                point,
+                collider: solid.entity,
+                exact: true,
+            })
+        });
+        match (rest, hit) {
+            (Some(rest), Some(hit)) if rest.distance >= hit.distance - CAST_ERROR => {
+                let hit = Hit { exact: true, ..self.sharpen_lowering(ball, centre, hit) };
+                Some(if rest.distance < hit.distance { rest } else { hit })
+            }
+            (rest, hit) => rest.or(hit),
+        }
     }
 
     /// The hit with its exact distance and normal; `None` where the shape only grazes what was hit.
     ///
     /// Casts iterate: beside a box of a hundred metres they stop centimetres early. The contact at that place is exact.
     fn sharpen_sweep(&self, shape: &Collider, from: Vec3, direction: Dir3, hit: Hit) -> Option<Hit> {
+        if hit.exact {
+            return Some(hit).filter(|hit| hit.normal.dot(*direction) < -GRAZING);
+        }
         let at = from + direction * hit.distance;
         let contacts = self.contacts(shape, at, hit.collider, CAST_ERROR);
         let alike = |contact: &&Contact| contact.normal.dot(hit.normal) > 0.8;
@@ -225,4 +166,20 @@ impl View<'_> {
         };
         manifolds.iter().filter_map(nearest).collect()
     }
+}
+
+/// The first of the solids that `shape`, upright at `from`, touches within `reach` metres.
+fn first<'a>(
+    solids: impl Iterator<Item = &'a Solid<'a>>,
+    shape: &Collider,
+    from: Vec3,
+    direction: Dir3,
+    reach: f32,
+) -> Option<Hit> {
+    let mut first: Option<Hit> = None;
+    for solid in solids {
+        let reach = first.map_or(reach, |hit| hit.distance);
+        first = solid.cast_shape(shape, from, direction, reach).or(first);
+    }
+    first
 }

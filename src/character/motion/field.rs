@@ -1,9 +1,11 @@
-//! Height and slope of a heightfield at a place, without a cast.
+//! Height and slope of a heightfield at a place, and its triangles, without a cast.
 //!
 //! World space, metres.
 
 use avian3d::parry::shape::{HeightField, HeightFieldCellStatus};
 use bevy::math::{Quat, Vec2, Vec3};
+
+use super::heightfield::Span;
 
 /// Cosine of the tilt below which a field counts as upright.
 const UPRIGHT: f32 = 1.0 - 1e-7;
@@ -20,6 +22,8 @@ pub(in crate::character) struct UprightField<'a> {
     /// Column and row of the last cell.
     last: (usize, usize),
     density: Vec2,
+    /// Metres of a cell along both.
+    size: Vec2,
     /// Metres of height to one of the field's.
     tall: f32,
 }
@@ -37,6 +41,7 @@ impl<'a> UprightField<'a> {
             cells,
             last: (field.ncols() - 1, field.nrows() - 1),
             density: cells / Vec2::new(scale.x, scale.z),
+            size: Vec2::new(scale.x, scale.z) / cells,
             tall: scale.y,
         })
     }
@@ -53,14 +58,7 @@ impl<'a> UprightField<'a> {
         }
         let (column, row) = ((x as usize).min(self.last.0), (z as usize).min(self.last.1));
         let (u, v) = (x - column as f32, z - row as f32);
-        let heights = self.field.heights();
-        let first = heights.flat_index(row, column);
-        let next = first + heights.nrows();
-        let (&[here, behind], &[beside, across]) =
-            (heights.data().get(first..first + 2)?, heights.data().get(next..next + 2)?)
-        else {
-            return None;
-        };
+        let [here, behind, beside, across] = self.corners(column, row)?;
         // Each cell is two triangles: split from `here` to `across`, else from `behind` to `beside`.
         let status = self.field.cell_status(row, column);
         let zigzag = status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
@@ -79,6 +77,61 @@ impl<'a> UprightField<'a> {
         let height = (base + u * along_x + v * along_z) * self.tall;
         let rise = Vec2::new(along_x, along_z);
         (height <= local.y).then_some(FieldGround { field: self, height: self.position.y + height, rise })
+    }
+
+    /// Heights at the corners of a cell: the first, the next along z, the next along x, and the one across.
+    fn corners(&self, column: usize, row: usize) -> Option<[f32; 4]> {
+        let heights = self.field.heights();
+        let first = heights.flat_index(row, column);
+        let next = first + heights.nrows();
+        let (&[here, behind], &[beside, across]) =
+            (heights.data().get(first..first + 2)?, heights.data().get(next..next + 2)?)
+        else {
+            return None;
+        };
+        Some([here, behind, beside, across])
+    }
+
+    /// Calls `found` with every triangle, in the world, whose cell reaches into the span. False, and nothing called, for a field
+    /// that is turned about the vertical.
+    pub(super) fn triangles_in(&self, span: Span, mut found: impl FnMut([Vec3; 3])) -> bool {
+        if self.turn.is_some() {
+            return false;
+        }
+        let cell = |v: Vec3| {
+            let away = v - self.position;
+            Vec2::new(away.x, away.z) * self.density + 0.5 * self.cells
+        };
+        let (from, to) = (cell(span.least), cell(span.most));
+        if !(to.x >= 0.0 && to.y >= 0.0 && from.x <= self.cells.x && from.y <= self.cells.y) {
+            return true;
+        }
+        let first = self.position - 0.5 * Vec3::new(self.cells.x * self.size.x, 0.0, self.cells.y * self.size.y);
+        let corner = |column: usize, row: usize, height: f32| {
+            first + Vec3::new(column as f32 * self.size.x, height * self.tall, row as f32 * self.size.y)
+        };
+        // Negative numbers become 0.
+        for column in from.x as usize..=(to.x as usize).min(self.last.0) {
+            for row in from.y as usize..=(to.y as usize).min(self.last.1) {
+                let Some([here, behind, beside, across]) = self.corners(column, row) else { continue };
+                let a = corner(column, row, here);
+                let b = corner(column, row + 1, behind);
+                let c = corner(column + 1, row, beside);
+                let d = corner(column + 1, row + 1, across);
+                if a.y.min(b.y).min(c.y).min(d.y) > span.most.y || a.y.max(b.y).max(c.y).max(d.y) < span.least.y {
+                    continue;
+                }
+                let status = self.field.cell_status(row, column);
+                let zigzag = status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
+                if !status.contains(HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED) {
+                    found(if zigzag { [a, b, d] } else { [a, b, c] });
+                }
+                if !status.contains(HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED) {
+                    found(if zigzag { [a, d, c] } else { [b, d, c] });
+                }
+            }
+        }
+        true
     }
 }
 
@@ -106,6 +159,7 @@ impl FieldGround<'_> {
 mod tests {
     use super::*;
     use avian3d::parry::{
+        bounding_volume::Aabb,
         math::{Pose, Vector},
         query::{Ray, RayCast},
         utils::Array2,
@@ -141,6 +195,31 @@ mod tests {
                 (found, cast) => prop_assert_eq!(found.is_some(), cast.is_some(), "{:?}", cast),
             }
         }
+    }
+
+    proptest! {
+        #[test]
+        fn a_field_has_the_triangles_that_parry_finds(x in -5.0f32..5.0, y in -3.0f32..1.0, z in -5.0f32..5.0, size in 0.1f32..4.0) {
+            let (field, position) = (field(), Vec3::new(1.0, -2.0, 0.5));
+            let upright = UprightField::new(&field, position, Quat::IDENTITY).expect("it stands upright");
+            let span = Span { least: Vec3::new(x, y, z), most: Vec3::new(x + size, y + 0.3 * size, z + size) };
+            let mut sums = [Vec3::ZERO; 2];
+            prop_assert!(upright.triangles_in(span, |triangle| sums[0] += triangle.iter().sum::<Vec3>()));
+            let [least, most] = [span.least, span.most].map(|v| v - position).map(|v| Vector::new(v.x, v.y, v.z));
+            field.map_elements_in_local_aabb(&Aabb::new(least, most), &mut |_, triangle| {
+                let corners = [triangle.a, triangle.b, triangle.c];
+                sums[1] += corners.map(|v| position + Vec3::new(v.x, v.y, v.z)).iter().sum::<Vec3>();
+            });
+            prop_assert!(sums[0].distance(sums[1]) < 1e-3, "corners sum to {} instead of {}", sums[0], sums[1]);
+        }
+    }
+
+    #[test]
+    fn a_turned_field_is_left_to_others() {
+        let field = field();
+        let upright = UprightField::new(&field, Vec3::ZERO, Quat::from_rotation_y(0.5)).expect("it stands upright");
+        let everywhere = Span { least: Vec3::splat(-9.0), most: Vec3::splat(9.0) };
+        assert!(!upright.triangles_in(everywhere, |triangle| panic!("{triangle:?}")));
     }
 
     #[test]

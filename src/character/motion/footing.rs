@@ -82,7 +82,7 @@ pub(super) fn footing(view: &View, shapes: &MotionShapes, at: Vec3, look: Look) 
     let start = Vec3::new(at.x, at.y + look.up + lift, at.z);
     let below = view.floor(start, Dir3::NEG_Y, look.up + lift + deepest);
     let floor = below.filter(|floor| walkable(floor.normal, look.limit_cos));
-    let hit = if lowered.exact { lowered.hit } else { sharpened(view, shapes, centre, lowered.hit, floor) };
+    let hit = if lowered.exact { lowered } else { sharpened(view, shapes, centre, lowered, floor) };
     if hit.point.y > at.y + look.highest {
         // The ball came down on something too high to step on: back to where it stands beside it.
         let flat = Vec3::new(hit.normal.x, 0.0, hit.normal.z).length();

@@ -3,19 +3,67 @@
 //! A cast by the physics engine tries every triangle of the grid cells below a shape, however far below; for a crowd on
 //! terrain that is most of the time. World space, metres.
 
-use avian3d::parry::{bounding_volume::Aabb, math::Vector, shape::HeightField};
+use avian3d::{
+    parry::{bounding_volume::Aabb, math::Vector, shape::HeightField},
+    prelude::Collider,
+};
 use bevy::math::{Mat3, Vec3};
 
-use super::frame::Frame;
+use super::{field::UprightField, frame::Frame};
 
 /// Slack in metres around an edge, so that no seam lies between two triangles.
 const SEAM: f32 = 1e-5;
+
+/// Metres by which a shape has to miss a triangle's plane.
+const SLACK: f32 = 1e-3;
 
 /// A box along the world's axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
     pub(super) least: Vec3,
     pub(super) most: Vec3,
+}
+
+impl Span {
+    /// The span between two corners, whichever they are.
+    #[must_use]
+    pub(super) fn between(a: Vec3, b: Vec3) -> Self {
+        Self { least: a.min(b), most: a.max(b) }
+    }
+
+    /// Whether all of `other` lies within.
+    #[must_use]
+    pub(super) fn contains(self, other: Self) -> bool {
+        self.least.cmple(other.least).all() && self.most.cmpge(other.most).all()
+    }
+
+    /// Whether the two have anything in common.
+    #[must_use]
+    pub(super) fn meets(self, other: Self) -> bool {
+        self.least.cmple(other.most).all() && self.most.cmpge(other.least).all()
+    }
+}
+
+/// An upright shape on a straight way.
+pub(super) struct Sweep<'a> {
+    pub(super) shape: &'a Collider,
+    pub(super) from: Vec3,
+    pub(super) way: Vec3,
+    /// All that it passes through.
+    pub(super) span: Span,
+}
+
+impl Sweep<'_> {
+    /// Whether all of it stays on the side of the triangle's plane where it is: then it can't touch the triangle.
+    fn stays_beside(&self, [a, b, c]: [Vec3; 3]) -> bool {
+        let Some(shape) = self.shape.shape_scaled().as_support_map() else { return false };
+        let normal = (b - a).cross(c - a);
+        let normal = if normal.dot(self.from - a) < 0.0 { -normal } else { normal };
+        let Vec3 { x, y, z } = -normal;
+        let nearest = shape.local_support_point(Vector::new(x, y, z));
+        let nearest = self.from + Vec3::new(nearest.x, nearest.y, nearest.z) - a;
+        nearest.dot(normal) + self.way.dot(normal).min(0.0) > SLACK * normal.length()
+    }
 }
 
 /// Where a ball rests.
@@ -30,7 +78,12 @@ pub(super) struct Rest {
 }
 
 /// Calls `found` with every triangle of the field, in the world, whose cell reaches into the span.
-pub(super) fn triangles_in(field: &HeightField, frame: Frame, span: Span, mut found: impl FnMut([Vec3; 3])) {
+fn triangles_in(field: &HeightField, frame: Frame, span: Span, mut found: impl FnMut([Vec3; 3])) {
+    if UprightField::new(field, frame.position, frame.rotation)
+        .is_some_and(|field| field.triangles_in(span, &mut found))
+    {
+        return;
+    }
     let into_field = Mat3::from_quat(frame.rotation).transpose();
     let middle = into_field * ((span.least + span.most) * 0.5 - frame.position);
     let half = into_field.abs() * ((span.most - span.least) * 0.5);
@@ -42,44 +95,69 @@ pub(super) fn triangles_in(field: &HeightField, frame: Frame, span: Span, mut fo
     });
 }
 
-/// Whether any triangle of the field reaches into the span.
-pub(super) fn reaches_into(field: &HeightField, frame: Frame, span: Span) -> bool {
+/// Whether a shape on its way may touch any triangle of the field.
+pub(super) fn reaches_into(field: &HeightField, frame: Frame, sweep: &Sweep) -> bool {
     let mut reaches = false;
-    triangles_in(field, frame, span, |[a, b, c]| {
-        let (least, most) = (a.min(b).min(c), a.max(b).max(c));
-        reaches |= least.cmple(span.most).all() && most.cmpge(span.least).all();
+    triangles_in(field, frame, sweep.span, |triangle| {
+        let [a, b, c] = triangle;
+        let bounds = Span { least: a.min(b).min(c), most: a.max(b).max(c) };
+        reaches = reaches || (bounds.meets(sweep.span) && !sweep.stays_beside(triangle));
     });
     reaches
 }
 
-/// Where a ball lowered from above at the horizontal place of `over` first touches the triangle.
+/// Where a ball lowered from `centre` through `span` first touches the field.
 #[must_use]
-pub(super) fn rest_on_triangle(over: Vec3, radius: f32, [a, b, c]: [Vec3; 3]) -> Option<Rest> {
+pub(super) fn rest_on_field(field: &HeightField, frame: Frame, radius: f32, centre: Vec3, span: Span) -> Option<Rest> {
+    let mut rest: Option<Rest> = None;
+    let under = Span { least: centre.with_y(span.least.y), most: centre };
+    // What is straight below is mostly what it rests on; next to that, most other triangles are out of the question.
+    for span in [under, span] {
+        triangles_in(field, frame, span, |triangle| {
+            let above = rest.map_or(f32::NEG_INFINITY, |rest| rest.height);
+            rest = rest_on_triangle(centre, radius, triangle, above).or(rest);
+        });
+    }
+    rest
+}
+
+/// Where a ball lowered from above at the horizontal place of `over` first touches the triangle, if that is higher than `above`.
+#[must_use]
+pub(super) fn rest_on_triangle(over: Vec3, radius: f32, [a, b, c]: [Vec3; 3], above: f32) -> Option<Rest> {
     let (least, most) = (a.min(b).min(c), a.max(b).max(c));
     if over.x < least.x - radius || over.x > most.x + radius || over.z < least.z - radius || over.z > most.z + radius {
         return None;
     }
-    if let Some(rest) = rest_on_face(over, radius, [a, b, c]) {
-        return Some(rest);
-    }
-    let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| rest_on_edge(over, radius, from, to));
-    edges.into_iter().flatten().max_by(|a, b| a.height.total_cmp(&b.height))
-}
-
-fn rest_on_face(over: Vec3, radius: f32, [a, b, c]: [Vec3; 3]) -> Option<Rest> {
-    let cross = (b - a).cross(c - a);
-    let normal = if cross.y < 0.0 { -cross } else { cross }.normalize_or_zero();
-    if normal.y < 1e-3 {
+    if most.y + radius <= above {
         return None;
     }
-    let plane = a.y - ((over.x - a.x) * normal.x + (over.z - a.z) * normal.z) / normal.y;
-    let height = plane + radius / normal.y;
-    let point = over.with_y(height) - normal * radius;
-    // On the inner side of every edge, seen from above; whichever way the corners go round.
-    let side = |from: Vec3, to: Vec3| (to.x - from.x) * (point.z - from.z) - (to.z - from.z) * (point.x - from.x);
-    let sides = [side(a, b), side(b, c), side(c, a)];
-    let inside = sides.iter().all(|s| *s >= -SEAM) || sides.iter().all(|s| *s <= SEAM);
-    inside.then_some(Rest { height, normal, point })
+    let cross = (b - a).cross(c - a);
+    let (upward, length) = (if cross.y < 0.0 { -1.0 } else { 1.0 }, cross.length());
+    let cross = cross * upward;
+    let edges = [(a, b), (b, c), (c, a)];
+    let mut outside = [true; 3];
+    if cross.y > 1e-3 * length {
+        let height = a.y + (radius * length - (over.x - a.x) * cross.x - (over.z - a.z) * cross.z) / cross.y;
+        // On the whole plane it would rest no lower than on any part of it.
+        if height <= above {
+            return None;
+        }
+        let normal = cross / length;
+        let point = over.with_y(height) - normal * radius;
+        // How far on the inner side of every edge, seen from above; whichever way the corners go round.
+        let side = |(from, to): (Vec3, Vec3)| {
+            upward * ((to.z - from.z) * (point.x - from.x) - (to.x - from.x) * (point.z - from.z))
+        };
+        let sides = edges.map(side);
+        if sides.iter().all(|s| *s >= -SEAM) {
+            return Some(Rest { height, normal, point });
+        }
+        // The nearer to that point the higher it rests: on an edge that the point is outside of.
+        outside = sides.map(|s| s < 0.0);
+    }
+    let on_edges = edges.into_iter().zip(outside).filter(|(_, outside)| *outside);
+    let rests = on_edges.filter_map(|((from, to), _)| rest_on_edge(over, radius, from, to));
+    rests.max_by(|a, b| a.height.total_cmp(&b.height)).filter(|rest| rest.height > above)
 }
 
 /// Where the ball rests on an edge or on its ends.
@@ -141,7 +219,7 @@ mod tests {
         fn a_resting_ball_touches_and_a_higher_one_does_not(a in corner(), b in corner(), c in corner(), x in -1.2f32..1.2, z in -1.2f32..1.2, radius in 0.1f32..0.5) {
             prop_assume!(Triangle3d::new(a, b, c).vertices.len() == 3 && (b - a).cross(c - a).length() > 0.05);
             let over = Vec3::new(x, 0.0, z);
-            match rest_on_triangle(over, radius, [a, b, c]) {
+            match rest_on_triangle(over, radius, [a, b, c], f32::NEG_INFINITY) {
                 Some(rest) => {
                     let gap = distance(over.with_y(rest.height), [a, b, c]) - radius;
                     // The tried points lie up to some centimetres beside the nearest one.
@@ -167,7 +245,7 @@ mod tests {
     #[test]
     fn a_ball_rests_on_a_slope_as_on_its_plane() {
         let [a, b, c] = [Vec3::new(-5.0, -5.0, -5.0), Vec3::new(5.0, 5.0, -5.0), Vec3::new(0.0, 0.0, 9.0)];
-        let rest = rest_on_triangle(Vec3::ZERO, 0.5, [a, b, c]).map_or(f32::NAN, |rest| rest.height);
+        let rest = rest_on_triangle(Vec3::ZERO, 0.5, [a, b, c], f32::NEG_INFINITY).map_or(f32::NAN, |rest| rest.height);
         assert!((rest - 0.5 * 2f32.sqrt()).abs() < 1e-4, "rests at {rest}");
     }
 }

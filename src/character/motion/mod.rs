@@ -6,8 +6,11 @@
 //! On the ground a capsule *above step height* slides along walls and a ball is lowered from it to find what bears the
 //! body; in the air the whole capsule flies. The root follows the ground under its middle, and steps of it smoothly.
 
+mod ahead;
+mod around;
 mod body;
 mod capsule;
+mod capsules;
 mod casts;
 mod contacts;
 mod descent;
@@ -42,6 +45,7 @@ use super::{
     schedule::{MotionSystems, SchedulePlugin},
 };
 use crate::rig::tuning::motion::MotionConfig;
+use ahead::region;
 use body::MotionBody;
 use capsule::MotionShapes;
 pub(in crate::character) use field::{FieldGround, UprightField};
@@ -180,7 +184,8 @@ fn move_characters(
         if let Some(facing) = intent.facing {
             intent.velocity = limit_strafe(intent.velocity, facing, config.sprint_speed, config.strafe_speed);
         }
-        let tick = Tick { view: View { space, me, filter }, config, shapes, intent, transform, dt };
+        let around = space.around(me, &filter, region(&body, shapes, &intent, dt));
+        let tick = Tick { view: View { space, me, filter, around }, config, shapes, intent, transform, dt };
         tick.run(&mut body, &mut state);
     });
 }

@@ -5,13 +5,14 @@
 use avian3d::{
     character_controller::move_and_slide::DepenetrationConfig,
     prelude::{
-        AngularVelocity, Collider, ColliderOf, ComputedCenterOfMass, ComputedMass, CustomPositionIntegration,
-        LinearVelocity, MoveAndSlide, Position, RigidBody, Rotation, SimpleCollider, SpatialQueryFilter,
+        AngularVelocity, Collider, ColliderAabb, ColliderOf, ComputedCenterOfMass, ComputedMass,
+        CustomPositionIntegration, LinearVelocity, MoveAndSlide, Position, RigidBody, Rotation, SimpleCollider,
+        SpatialQueryFilter,
     },
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
 
-use super::{body::MotionBody, frame::Frame};
+use super::{around::Around, body::MotionBody, frame::Frame, heightfield::Span};
 
 /// Gap in metres that sweeps keep to what they hit, so that the next sweep starts in free space.
 pub(super) const SKIN: f32 = 0.01;
@@ -24,6 +25,7 @@ const DEEPEST: f32 = 20.0;
 pub(super) struct Space<'w, 's> {
     pub(super) casts: MoveAndSlide<'w, 's>,
     owners: Query<'w, 's, &'static ColliderOf>,
+    bounds: Query<'w, 's, &'static ColliderAabb>,
     kinds: Query<'w, 's, &'static RigidBody>,
     bodies: Query<
         'w,
@@ -49,6 +51,8 @@ pub(super) struct View<'a> {
     pub(super) space: &'a Space<'a, 'a>,
     pub(super) me: Entity,
     pub(super) filter: SpatialQueryFilter,
+    /// What is near.
+    pub(super) around: Around<'a>,
 }
 
 /// What a sweep met.
@@ -62,6 +66,8 @@ pub(super) struct Hit {
     pub(super) normal: Vec3,
     pub(super) point: Vec3,
     pub(super) collider: Entity,
+    /// Whether the distance is exact already.
+    pub(super) exact: bool,
 }
 
 /// A surface below.
@@ -97,50 +103,57 @@ impl GroundBody {
     }
 }
 
-impl View<'_> {
-    pub(super) fn meets(&self, collider: Entity, without: Entity) -> bool {
-        // Sensors are not among these colliders.
-        self.space.casts.colliders.contains(collider)
-            && self.space.owners.get(collider).is_ok_and(|owner| owner.body != self.me && owner.body != without)
+impl<'a> Space<'a, 'a> {
+    /// All that `me` may meet in a region, as `filter` lets it.
+    pub(super) fn around(&'a self, me: Entity, filter: &SpatialQueryFilter, region: Span) -> Around<'a> {
+        let mut around = Around::new(region);
+        let sound = region.least.is_finite() && region.most.is_finite();
+        let bounds = ColliderAabb::from_min_max(region.least, region.most);
+        let mut add = |collider: Entity| {
+            // Sensors are not among these colliders.
+            let (shape, position, rotation, layers) = self.casts.colliders.get(collider).ok()?;
+            let body = self.owners.get(collider).ok()?.body;
+            if body != me && filter.test(collider, layers.copied().unwrap_or_default()) {
+                let frame = Frame { position: position.0, rotation: rotation.0 };
+                let kind = self.kinds.get(body).copied().unwrap_or(RigidBody::Static);
+                around.push(collider, body, kind, shape, frame, self.bounds.get(collider).ok()?);
+            }
+            Some(())
+        };
+        if sound {
+            self.casts.spatial_query.aabb_intersections_with_aabb_callback(bounds, |collider| {
+                add(collider);
+                true
+            });
+        }
+        around
     }
+}
 
+impl View<'_> {
     /// The surface straight below (or above) `from`, within `reach` metres.
     pub(super) fn floor(&self, from: Vec3, direction: Dir3, reach: f32) -> Option<Floor> {
         if !from.is_finite() || !reach.is_finite() {
             return None;
         }
-        let hit = self.space.casts.spatial_query.cast_ray_predicate(
-            from,
-            direction,
-            reach,
-            true,
-            &self.filter,
-            &|collider| self.meets(collider, self.me),
-        )?;
-        let height = from.y + direction.y * hit.distance;
-        (height.is_finite() && hit.normal.is_finite()).then_some(Floor {
-            height,
-            normal: hit.normal,
-            collider: hit.entity,
-        })
+        let span = Span::between(from, from + direction * reach);
+        let mut nearest: Option<(f32, Floor)> = None;
+        for solid in self.solids_in(span).iter().filter(|solid| solid.reaches_into(span)) {
+            let reach = nearest.map_or(reach, |(distance, _)| distance);
+            nearest = solid.cast_ray(from, direction, reach).or(nearest);
+        }
+        let (_, floor) = nearest?;
+        (floor.height.is_finite() && floor.normal.is_finite()).then_some(floor)
     }
 
     /// Whether a body that may move by itself is about the shape, and so may have moved into it.
     pub(super) fn has_movers_near(&self, shape: &Collider, at: Vec3) -> bool {
-        let mut found = false;
-        let space = self.space;
         if !at.is_finite() {
             return false;
         }
-        space.casts.spatial_query.aabb_intersections_with_aabb_callback(shape.aabb(at, Quat::IDENTITY), |collider| {
-            found |= self.meets(collider, self.me)
-                && space
-                    .owners
-                    .get(collider)
-                    .is_ok_and(|owner| space.kinds.get(owner.body).is_ok_and(|kind| *kind != RigidBody::Static));
-            !found
-        });
-        found
+        let bounds = shape.aabb(at, Quat::IDENTITY);
+        let span = Span { least: bounds.min, most: bounds.max };
+        self.solids_in(span).iter().any(|solid| !solid.is_static && solid.reaches_into(span))
     }
 
     /// The way out for a shape that may stand inside others; zero where it is free.
@@ -151,7 +164,8 @@ impl View<'_> {
         }
         self.space.casts.intersections(shape, at, Quat::IDENTITY, 0.0, &self.filter, |collider, contact, normal| {
             // Deeper than a hair: resting contacts are no reason to move.
-            if self.meets(collider, self.me) && contact.penetration > 1e-3 {
+            let mine = self.space.owners.get(collider).is_ok_and(|owner| owner.body == self.me);
+            if !mine && contact.penetration > 1e-3 {
                 contacts.push((normal, contact.penetration));
             }
             true

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::{
     MotionState,
+    ahead::{StrideAhead, TURNING_SPEED, stride_ahead},
     body::{Anchor, MotionBody, Push, Written},
     capsule::MotionShapes,
     fly::{air_velocity, fly},
@@ -39,12 +40,6 @@ const LONGEST_RIDE: f32 = 3.0;
 
 /// Ticks after a teleport for which the body looks whether it stands in something.
 const RECHECKS: u8 = 2;
-
-/// Wanted speeds below this, in m/s, don't turn the body.
-const TURNING_SPEED: f32 = 0.1;
-
-/// Seconds in which a stride lands: so far ahead the way is looked at.
-const STRIDE_SECONDS: f32 = 0.5;
 
 /// Half-life in seconds over which a grade slows a run.
 const GRADE_HALF_LIFE: f32 = 0.15;
@@ -234,16 +229,10 @@ impl Tick<'_> {
 
     /// Rise over run to where the next stride may land; 0 where it can't.
     fn grade_ahead(&self, body: &MotionBody) -> f32 {
-        let wanted = self.intent.velocity.with_y(0.0);
-        let way = if wanted == Vec3::ZERO { body.velocity.with_y(0.0) } else { wanted };
-        let speed = way.length();
-        if body.support.is_none() || speed < TURNING_SPEED {
+        let Some(StrideAhead { start, reach, distance }) = stride_ahead(body, self.shapes, &self.intent) else {
             return 0.0;
-        }
-        let distance = (STRIDE_SECONDS * speed).max(self.shapes.radius);
-        let up = (self.shapes.step_up + distance).min(self.shapes.standing.height);
-        let start = body.position.with_y(body.level + up) + way * (distance / speed);
-        let floor = self.view.floor(start, Dir3::NEG_Y, up + self.shapes.step_up + distance);
+        };
+        let floor = self.view.floor(start, Dir3::NEG_Y, reach);
         let floor = floor.filter(|floor| walkable(floor.normal, limit_cos(self.config.slope_limit)));
         let grade = floor.map_or(0.0, |floor| (floor.height - body.level) / distance);
         if grade.abs() > STEEPEST { 0.0 } else { grade }
