@@ -87,18 +87,26 @@ impl Pose {
 
     /// Moves `joint` and all below it by `offset_model` (model space); model matrices stay up to date.
     pub fn shift_model(&mut self, skeleton: &Skeleton, joint: JointIndex, offset_model: Vec3) {
-        let above = skeleton.parent(joint).map_or(skeleton.model_from_root, |parent| self.model(parent));
-        let translation = self.local(joint).translation + above.inverse().transform_vector3(offset_model);
-        if !translation.is_finite() {
+        if !self.shift_local(skeleton, joint, offset_model) {
             return;
         }
-        self.local[joint.index()].translation = translation;
         if skeleton.is_whole_branch(joint) {
             let offset = Vec3A::from(offset_model);
             self.model[skeleton.branch(joint)].iter_mut().for_each(|model| model.translation += offset);
         } else {
             self.update_model_below(skeleton, joint);
         }
+    }
+
+    /// Moves `joint` by `offset_model` (model space) in its local transform alone: model matrices are stale afterwards. Gives
+    /// false, and moves nothing, where that is nowhere.
+    pub fn shift_local(&mut self, skeleton: &Skeleton, joint: JointIndex, offset_model: Vec3) -> bool {
+        let above = skeleton.parent(joint).map_or(skeleton.model_from_root, |parent| self.model(parent));
+        let translation = self.local(joint).translation + above.inverse().transform_vector3(offset_model);
+        if translation.is_finite() {
+            self.local[joint.index()].translation = translation;
+        }
+        translation.is_finite()
     }
 
     /// Model matrix of `joint` alone, from its local transform and its parent's matrix.

@@ -4,7 +4,7 @@
 
 use bevy::math::{Quat, Vec3, ops};
 
-use crate::math::rotation::{any_perpendicular, direction_or, shortest_arc};
+use crate::math::rotation::{any_perpendicular, direction, direction_or, shortest_arc};
 
 /// Shortest bone in metres that still has a direction.
 pub(in crate::anim) const SHORTEST_BONE: f32 = 1e-4;
@@ -75,12 +75,11 @@ pub fn solve(limb: &Limb, target: Vec3, extension: Extension) -> Solution {
     let wanted = target - limb.root;
     let reach = soften(wanted.length(), a + b, extension).max((a - b).abs() + SHORTEST_BONE);
     let animated = limb.end - limb.root;
-    let fallback = direction_or(animated, direction_or(upper, Vec3::NEG_Y));
-    let old_axis = fallback;
-    let new_axis = direction_or(wanted, fallback);
+    let old_axis = direction(animated).unwrap_or_else(|| direction_or(upper, Vec3::NEG_Y));
+    let new_axis = direction_or(wanted, old_axis);
     let swing = shortest_arc(old_axis, new_axis);
     let bend = swing * bend_direction(limb, old_axis);
-    let bend = direction_or(bend - new_axis * bend.dot(new_axis), any_perpendicular(new_axis));
+    let bend = direction(bend - new_axis * bend.dot(new_axis)).unwrap_or_else(|| any_perpendicular(new_axis));
     let cos = ((a * a + reach * reach - b * b) / (2.0 * a * reach)).clamp(-1.0, 1.0);
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
     let middle = limb.root + new_axis * (a * cos) + bend * (a * sin);
@@ -115,11 +114,15 @@ pub fn bend_angle(root: Vec3, middle: Vec3, end: Vec3) -> f32 {
 fn bend_direction(limb: &Limb, axis: Vec3) -> Vec3 {
     let upper = limb.middle - limb.root;
     let off_axis = upper - axis * upper.dot(axis);
-    let pole = direction_or(limb.pole - axis * limb.pole.dot(axis), any_perpendicular(axis));
     let sine = off_axis.length() / upper.length();
     // Between straight and clearly bent the pole hands over to the animated plane.
     let share = ((sine / STRAIGHT) - 1.0).clamp(0.0, 1.0);
-    let bent = direction_or(off_axis, pole);
+    let bent = direction(off_axis);
+    if let (Some(bent), true) = (bent, share >= 1.0) {
+        return bent;
+    }
+    let pole = direction(limb.pole - axis * limb.pole.dot(axis)).unwrap_or_else(|| any_perpendicular(axis));
+    let bent = bent.unwrap_or(pole);
     direction_or(pole * (1.0 - share) + bent * share, bent)
 }
 

@@ -107,7 +107,7 @@ fn apply(balance: &Balance, pose: &mut Pose, asset: &CharacterAsset, config: &Ba
     keeping_feet(pose, skeleton, &asset.legs, |pose| {
         let from_ankles = from_scaled_axis(balance.lean * config.from_ankles);
         let hips = pose.position(asset.hips);
-        pose.shift_model(skeleton, asset.hips, from_ankles * hips - hips);
+        pose.shift_local(skeleton, asset.hips, from_ankles * hips - hips);
         pose.rotate_model(skeleton, asset.hips, from_ankles);
         let bones = || SPINE.iter().filter_map(|role| asset.humanoid.get(*role));
         let spine = balance.lean * (1.0 - config.from_ankles) + balance.stoop;

@@ -50,22 +50,30 @@ impl CharacterPose {
         }
     }
 
-    fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Vec<JointTransform>, dt: f32) {
+    /// Blends all clips that play into the local pose, and finds where the feet are in them; false where no foot is to be put
+    /// right.
+    fn blend(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Vec<JointTransform>) -> bool {
         scratch.resize(asset.skeleton.len(), JointTransform::IDENTITY);
-        let blends = locomotion.playing(asset).nth(1).is_some();
         let mut blend = Accumulator::new(self.pose.locals_mut());
         let mut feet = self.feet.start();
         for playing in locomotion.playing(asset) {
             playing.clip.clip.sample(&asset.skeleton, playing.time, scratch);
             blend.add(scratch, playing.weight);
-            if blends {
-                feet.add(&feet::ankles(scratch, &asset.skeleton, &asset.legs), playing.weight);
+            feet.add(&feet::ankles(scratch, &asset.skeleton, &asset.legs), playing.weight);
+        }
+        blend.finish() && feet.finish()
+    }
+
+    fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Vec<JointTransform>, dt: f32) {
+        let mut playing = locomotion.playing(asset);
+        let corrects = match (playing.next(), playing.next()) {
+            (None, _) => return,
+            (Some(only), None) => {
+                only.clip.clip.sample(&asset.skeleton, only.time, self.pose.locals_mut());
+                false
             }
-        }
-        let corrects = blends && feet.finish();
-        if !blend.finish() {
-            return;
-        }
+            _ => self.blend(asset, locomotion, scratch),
+        };
         let blended = corrects.then(|| feet::ankles(self.pose.locals(), &asset.skeleton, &asset.legs));
         if let Some(taken) = locomotion.taken.filter(|taken| taken.blend != TransitionBlend::CrossFade) {
             self.inertializer.begin(self.pose.locals(), taken.fade, taken.blend == TransitionBlend::Burst);
