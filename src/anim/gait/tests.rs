@@ -20,11 +20,14 @@ struct Walker {
     /// Share of the clip at which the left foot lands.
     lands: f32,
     duration: f32,
+    /// Height of its steps, for a leg of the usual length.
+    lift: f32,
     /// Whether the clip moves the body instead of the ground.
     root_motion: bool,
 }
 
-const WALK: Walker = Walker { size: 1.0, speed: 1.4, duty: 0.6, lands: 0.3, duration: 1.0, root_motion: false };
+const WALK: Walker =
+    Walker { size: 1.0, speed: 1.4, duty: 0.6, lands: 0.3, duration: 1.0, lift: 0.1, root_motion: false };
 
 impl Walker {
     fn skeleton(&self) -> Skeleton {
@@ -69,7 +72,7 @@ impl Walker {
         }
         let swing = (phase - self.duty) / (1.0 - self.duty);
         let eased = swing * swing * (3.0 - 2.0 * swing);
-        (0.1 * self.size * ops::sin(swing * core::f32::consts::PI), travel * (0.5 - eased))
+        (self.lift * self.size * ops::sin(swing * core::f32::consts::PI), travel * (0.5 - eased))
     }
 
     fn clip(&self) -> (Clip, Skeleton) {
@@ -130,6 +133,18 @@ fn a_run_has_flight() {
     assert_near("speed", gait.speed, 3.5, 0.05);
     assert_near("stance", gait.contact[0][0].end, 0.35, 0.05);
     assert_eq!([0, 1].map(|foot| gait.contact_weight(foot, 0.43)), [0.0; 2], "both feet are off the ground");
+}
+
+#[test]
+fn feet_that_only_shuffle_never_fly() {
+    let gait = Walker { duty: 0.45, lift: 0.035, ..WALK }.gait();
+    for step in 0..50u8 {
+        let phase = f32::from(step) / 50.0;
+        let weights = [0, 1].map(|foot| gait.contact_weight(foot, phase));
+        assert!(weights[0].max(weights[1]) > 0.49, "no foot stands at {phase}: {weights:?}");
+    }
+    let long = gait.contact.iter().map(|contact| contact[0].end - contact[0].start).fold(0.0, f32::max);
+    assert!(long < 0.6, "a foot stands for {long} of the time");
 }
 
 #[test]

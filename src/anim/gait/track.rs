@@ -34,6 +34,8 @@ const LOOP: (f32, f32) = (0.1, 0.08);
 const EVEN: f32 = 0.7;
 /// Share of the ground's speed from which on a low foot goes its way.
 const ALONG: f32 = 0.25;
+/// Metres over the ground that the lower foot rises to in a flight at least: a run's is over it by some centimetres.
+const FLIGHT: f32 = 0.012;
 /// Metres over the model's ground plane above which the lower sole is in the air for good.
 const AIRBORNE: f32 = 0.1;
 
@@ -149,6 +151,9 @@ impl Track {
             }
         }
 
+        if self.looping {
+            self.without_false_flight(ground, &mut stands);
+        }
         let mut velocity = self.drift - passing;
         if velocity.length() < STANDING * self.size.sqrt() {
             velocity = Vec3::ZERO;
@@ -285,6 +290,25 @@ impl Track {
         clean(&mut stands, false, samples(gap), self.looping);
         clean(&mut stands, true, samples(stance), self.looping);
         stands
+    }
+
+    /// Who flies has both feet off the ground at some moment. Where a clip only drags them over it, or pushes them into it, the
+    /// foot that stood stands on as long as it is low, and then the other, at whatever speed they go.
+    fn without_false_flight(&self, ground: f32, stands: &mut [Vec<bool>; 2]) {
+        let count = self.count();
+        let flight = ground + FLIGHT * self.size;
+        let low = |sample: usize, foot: usize| (0..3).any(|point| self.height(sample, foot, point) < flight);
+        let in_air: Vec<bool> = (0..count).map(|sample| !stands[0][sample] && !stands[1][sample]).collect();
+        for (start, length) in runs(&in_air, true, true).filter(|&(_, length)| length < count) {
+            let gap = || (start..start + length).map(|sample| sample % count);
+            let last = usize::from(stands[1][(start + count - 1) % count]);
+            let next = usize::from(stands[1][(start + length) % count]);
+            let stays = gap().take_while(|&sample| low(sample, last)).count();
+            if gap().skip(stays).all(|sample| low(sample, next)) {
+                gap().take(stays).for_each(|sample| stands[last][sample] = true);
+                gap().skip(stays).for_each(|sample| stands[next][sample] = true);
+            }
+        }
     }
 
     fn intervals(&self, stands: &[bool]) -> Vec<Contact> {
