@@ -2,6 +2,8 @@
 //!
 //! Model space, metres. Reads and writes the local pose; model matrices are up to date before and after.
 
+use core::f32::consts::{FRAC_PI_2, TAU};
+
 use bevy::{math::ops, prelude::*};
 
 use crate::{
@@ -82,16 +84,26 @@ pub fn keeping_feet(pose: &mut Pose, skeleton: &Skeleton, legs: &[Leg; 2], chang
 /// Bends, radians, below which no knee straightens (a leg stretched by 0.995), and from which on it resists.
 const STRAIGHT: (f32, f32) = (0.2, 0.23);
 
-/// Bends a knee that is straighter than a leg stretches, or bent backward: what is left of a quick stretch may carry it there.
-/// The foot keeps its turn.
+/// Most that a knee bends, radians: 155°, beyond what it is asked for (see [`not_folded`]).
+const MOST_BENT: f32 = 2.7;
+
+/// Bends a knee that is straighter than a leg stretches, or bent backward, and opens one that is folded further than it goes:
+/// what is left of a quick motion may carry it there. The foot keeps its turn.
 pub fn keep_bent(pose: &mut Pose, skeleton: &Skeleton, leg: &Leg) {
     let (least, soft) = STRAIGHT;
     let [hip, knee, ankle] = leg.joints().map(|joint| pose.position(joint));
     let (thigh, shin) = (knee - hip, ankle - knee);
     let hinge = pose.rotation(leg.upper) * leg.knee_axis;
     let bend = ops::atan2(thigh.cross(shin).dot(hinge), thigh.dot(shin));
-    if bend < soft {
-        let more = least + (soft - least) * ops::exp((bend - soft) / (soft - least)) - bend;
+    // Beyond half a turn it comes out on the other side.
+    let bend = if bend < -FRAC_PI_2 { bend + TAU } else { bend };
+    let kept = if bend < soft {
+        least + (soft - least) * ops::exp((bend - soft) / (soft - least))
+    } else {
+        bend.min(MOST_BENT)
+    };
+    let more = kept - bend;
+    if more.abs() > 0.0 {
         // All turns are about one axis, so each may be made in the frame that its joint had.
         for (joint, share) in leg.joints().into_iter().zip([-0.5, 1.0, -0.5]) {
             pose.rotate_model(skeleton, joint, from_scaled_axis(hinge * (more * share)));
@@ -183,7 +195,34 @@ fn upper_frame(skeleton: &Skeleton, pose: &Pose, joint: JointIndex, turned: Join
 
 #[cfg(test)]
 mod tests {
+    use bevy::math::Affine3A;
+
     use super::*;
+    use crate::anim::skeleton::JointTransform;
+
+    #[test]
+    fn a_knee_that_is_carried_through_its_thigh_comes_back_folded() {
+        let names = ["hip", "knee", "ankle"];
+        let joints = names.into_iter().enumerate().map(|(index, name)| {
+            let down = if index == 0 { 0.0 } else { 0.4 };
+            let rest = JointTransform { translation: Vec3::Y * -down, ..JointTransform::IDENTITY };
+            (name.to_owned(), index.checked_sub(1).map(|parent| JointIndex(parent as u16)), rest)
+        });
+        let skeleton = Skeleton::new(joints.collect::<Vec<_>>(), Affine3A::IDENTITY).expect("parents come first");
+        let [upper, lower, foot] = [0, 1, 2].map(JointIndex);
+        let leg = Leg { upper, lower, foot, knee_axis: Vec3::NEG_X, ..Leg::default() };
+        for degrees in [100.0f32, 150.0, 170.0, 190.0, 220.0] {
+            let mut pose = Pose::rest(&skeleton);
+            let rotation = Quat::from_rotation_x(-degrees.to_radians());
+            pose.set_local(lower, JointTransform { rotation, ..pose.local(lower) });
+            pose.update_model(&skeleton);
+            keep_bent(&mut pose, &skeleton, &leg);
+            let [hip, knee, ankle] = leg.joints().map(|joint| pose.position(joint));
+            let bend = two_bone::bend_angle(hip, knee, ankle).to_degrees();
+            let wanted = degrees.min(MOST_BENT.to_degrees());
+            assert!((bend - wanted).abs() < 0.1, "bent by {degrees}° it comes back at {bend}°");
+        }
+    }
 
     #[test]
     fn a_heel_lifts_just_as_far_as_the_hip_needs() {

@@ -280,6 +280,7 @@ impl Body<'_> {
         if foot.lifted > 0.0 {
             let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
             let ankle = pose.pose.position(leg.foot) + Vec3::Y * lift;
+            let ankle = not_folded(pose.pose.position(leg.upper), ankle, leg.length());
             let rotation = pose.pose.rotation(leg.foot);
             place_leg(&mut pose.pose, &self.asset.skeleton, joints, ankle, rotation, Vec3::NEG_Z, CLIP_EXTENSION);
         }
