@@ -43,6 +43,8 @@ pub struct Gait {
     pub sole_height: [f32; 2],
     /// Largest angular speed of a hip, knee or ankle against its parent, rad/s at normal playback.
     pub leg_speed: f32,
+    /// Largest vertical acceleration of the hips, m/s² at normal playback.
+    pub heave: f32,
 }
 
 impl Gait {

@@ -20,6 +20,8 @@ const HEIGHT: (f32, f32) = (0.012, 0.025);
 const SPEED: [(f32, f32); 2] = [(0.15, 0.3), (0.3, 0.5)];
 /// What a clean clip's edges are cut by: metres over the ground, m/s against it, share of ground speed.
 const SHARP: (f32, f32, f32) = (0.006, 0.06, 0.04);
+/// Seconds of the frames in which the hips' acceleration is told.
+const FRAME: f32 = 1.0 / 60.0;
 /// Share of time that the lower foot is nearer to the ground than the ground height taken: a dip is not the ground.
 const DIPS: f32 = 0.25;
 /// Ground speed below this, m/s, is standing.
@@ -53,6 +55,8 @@ pub(super) struct Track {
     drift: Vec3,
     /// Largest angular speed of a leg's joint, rad/s.
     leg_speed: f32,
+    /// By sample: height of the middle between both hip joints.
+    hips: Vec<f32>,
 }
 
 impl Track {
@@ -62,6 +66,7 @@ impl Track {
         let count = ((clip.duration * rate) as usize).clamp(least, most);
         let mut pose = Pose::rest(skeleton);
         let mut hips = [Vec3::ZERO; 2];
+        let mut heights = Vec::with_capacity(count);
         let mut points = Vec::with_capacity(count);
         let mut before: Option<[[Quat; 3]; 2]> = None;
         let mut widest: f32 = 0.0;
@@ -77,6 +82,7 @@ impl Track {
                 hips[0] = middle;
             }
             hips[1] = middle;
+            heights.push(middle.y);
             let turns = legs.map(|leg| leg.joints().map(|joint| pose.local(joint).rotation));
             if let Some(before) = before.replace(turns) {
                 let (now, before) = (turns.as_flattened(), before.as_flattened());
@@ -93,6 +99,7 @@ impl Track {
             whole_turn: from_scaled_axis(Vec3::Y * angle),
             drift: Vec3::new(drift.x, 0.0, drift.z),
             leg_speed: if clip.duration > 0.0 { widest * count as f32 / clip.duration } else { 0.0 },
+            hips: heights,
         }
     }
 
@@ -127,7 +134,18 @@ impl Track {
     }
 
     pub(super) fn gait(&self) -> Gait {
-        Gait { leg_speed: self.leg_speed, ..self.steps() }
+        Gait { leg_speed: self.leg_speed, heave: self.heave(), ..self.steps() }
+    }
+
+    /// Largest vertical acceleration of the hips as frames of [`FRAME`] show it, m/s².
+    fn heave(&self) -> f32 {
+        let count = self.count();
+        let step = ((FRAME * count as f32 / self.duration.max(FRAME)) as usize).max(1);
+        let seconds = step as f32 * self.duration.max(1e-3) / count as f32;
+        let at = |sample: usize| self.hips[if self.looping { sample % count } else { sample.min(count) }];
+        let samples = if self.looping { count } else { count.saturating_sub(2 * step) };
+        let bends = (0..samples).map(|sample| at(sample + 2 * step) - 2.0 * at(sample + step) + at(sample));
+        bends.map(f32::abs).fold(0.0, f32::max) / (seconds * seconds)
     }
 
     fn steps(&self) -> Gait {

@@ -269,7 +269,14 @@ impl FootIk {
                 body.landed(now, (landing, seconds), then, &animated[side], self.soles[side])
             })
         });
-        let frame = PelvisFrame { floor: root.y, hips: body.hips(pose), weight: self.weight, config, dt: body.dt };
+        let frame = PelvisFrame {
+            floor: root.y,
+            hips: body.hips(pose),
+            weight: self.weight,
+            heave: body.locomotion.heave(body.asset),
+            config,
+            dt: body.dt,
+        };
         let offset = self.pelvis.advance(&legs, ride, &frame);
         if offset.abs() > 1e-6 {
             pose.pose.shift_model(&body.asset.skeleton, body.asset.hips, Vec3::Y * offset);

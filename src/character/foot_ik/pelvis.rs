@@ -169,7 +169,7 @@ impl PelvisState {
 
     /// One frame: rides over `ground`.
     pub fn advance(&mut self, legs: &[LegReach; 2], ground: Ride, frame: &PelvisFrame<'_>) -> f32 {
-        let PelvisFrame { floor, hips, weight, config, dt } = *frame;
+        let PelvisFrame { floor, hips, weight, heave, config, dt } = *frame;
         let most = config.pelvis_drop;
         let ride = self.ground.get_or_insert(Spring { value: ground.height, velocity: ground.speed });
         // What is behind the ground, in place and speed, springs back: an even slope is followed without lag.
@@ -187,7 +187,7 @@ impl PelvisState {
         let lowest = squat.max(hips + placed - most);
         self.offset = placed + self.stop_fall(hips + placed, lowest, dt);
         let free = !matches!(self.fall, Fall::Over) || weight < ON;
-        self.offset += self.heave.keep(hips + self.offset, free, dt);
+        self.offset += self.heave.keep(hips + self.offset, heave, free, dt);
         self.note(hips + self.offset, dt);
         self.offset
     }
@@ -209,6 +209,8 @@ pub struct PelvisFrame<'a> {
     pub hips: f32,
     /// How much of foot placement is on, 0..1.
     pub weight: f32,
+    /// Largest vertical acceleration of the hips in the clips, m/s².
+    pub heave: f32,
     /// Tuning, scaled to the leg.
     pub config: &'a FootIkConfig,
     /// Seconds since the last frame.
@@ -270,7 +272,7 @@ mod tests {
     fn a_hop_of_the_root_does_not_move_the_body() {
         let (config, mut pelvis) = (FootIkConfig::default(), PelvisState::default());
         let legs = [leg(0.09), leg(0.09)];
-        let frame = PelvisFrame { floor: 0.0, hips: 0.95, weight: 1.0, config: &config, dt: 1.0 / 60.0 };
+        let frame = PelvisFrame { floor: 0.0, hips: 0.95, weight: 1.0, heave: 0.0, config: &config, dt: 1.0 / 60.0 };
         pelvis.advance(&legs, level(0.0), &frame);
         let after = 0.17
             + pelvis.advance(
@@ -285,7 +287,7 @@ mod tests {
     fn a_fall_is_stopped_within_what_legs_bend() {
         let (config, mut pelvis) = (FootIkConfig::default(), PelvisState::default());
         let dt = 1.0 / 60.0;
-        let frame = PelvisFrame { floor: 0.0, hips: 0.95, weight: 1.0, config: &config, dt };
+        let frame = PelvisFrame { floor: 0.0, hips: 0.95, weight: 1.0, heave: 0.0, config: &config, dt };
         // From the air at 4 m/s; hips stand still in the clip.
         let mut heights = vec![0.95 + 2.0 * 4.0 * dt, 0.95 + 4.0 * dt];
         heights.iter().for_each(|height| pelvis.note(*height, dt));
@@ -304,7 +306,7 @@ mod tests {
     fn a_body_whose_feet_have_climbed_climbs_after_them() {
         let (config, mut pelvis) = (FootIkConfig::default(), PelvisState::default());
         let legs = [leg(0.26), leg(0.26)];
-        let frame = PelvisFrame { floor: 0.0, hips: 0.95, weight: 1.0, config: &config, dt: 1.0 / 60.0 };
+        let frame = PelvisFrame { floor: 0.0, hips: 0.95, weight: 1.0, heave: 0.0, config: &config, dt: 1.0 / 60.0 };
         pelvis.advance(&legs, level(0.0), &frame);
         let risen = (0..180).map(|_| pelvis.advance(&legs, level(0.17), &frame)).fold(0.0, f32::max);
         assert!((risen - 0.17).abs() < 1e-3, "risen by {risen} m of 0.17");

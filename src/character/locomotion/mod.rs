@@ -163,6 +163,13 @@ impl Locomotion {
         if weight > 0.0 { (speed / weight).max(slowest) } else { slowest }
     }
 
+    /// Largest vertical acceleration in m/s², at normal playback, that hips have in any of the gaits that play; 0 without gaits.
+    #[must_use]
+    pub fn heave(&self, asset: &CharacterAsset) -> f32 {
+        let gaits = self.playing(asset).filter(|playing| self.machine.is_gait(playing.state));
+        gaits.map(|playing| playing.clip.gait.heave).fold(0.0, f32::max)
+    }
+
     /// The liveliest that any of the clips that play is in frames of `dt` seconds; at least as lively as a step.
     #[must_use]
     pub fn liveliest(&self, asset: &CharacterAsset, dt: f32) -> Peak {
