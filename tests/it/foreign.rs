@@ -242,6 +242,23 @@ fn foreign_bodies_of_any_size_walk_over_hills_and_stairs_on_their_feet() {
     }
 }
 
+#[test]
+fn a_clip_that_hovers_over_its_floor_stands_on_the_ground() {
+    let mut rig = Rig::from_slice(include_bytes!("../../assets/mannequin.glb"), |_| Err("no files".to_owned()))
+        .expect("the mannequin is good");
+    let hips = rig.skeleton.find("hips").expect("it has hips");
+    for clip in rig.clips.iter_mut().filter(|clip| clip.name == "walk") {
+        *clip = Clip::clone(clip).moved(&rig.skeleton, hips, Vec3::Y * 0.02).into();
+    }
+    let asset = CharacterAsset::resolve(CharacterFile::default(), "body.glb".into(), rig, &BTreeMap::new());
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_loaded(asset.expect("it walks"), &[Transform::IDENTITY])[0];
+    stage.run_for(0.5).start_recording(walker).walk(walker, Vec3::NEG_Z * 1.4).run_for(4.0);
+    let measures = stage.measures(walker);
+    assert!(measures.float_p95 <= 10.0, "feet float {} mm of the clip's 20", measures.float_p95);
+    assert!(measures.skate <= 1.0, "feet skate {} cm/s", measures.skate);
+}
+
 /// The mannequin's file with its clips called otherwise; those without a name here are left out.
 fn renamed(names: &[(&str, &str)]) -> GltfFile {
     let mut file = mannequin();

@@ -60,6 +60,8 @@ pub(super) struct Flight {
     /// Turns of take-off: about +Y against the clip, and to the ground.
     yaw: f32,
     align: Quat,
+    /// Metres by which the clip had the standing foot over its floor.
+    hovers: f32,
     /// Share of the clip's swing that had passed at take-off, and of its time in the air that has passed by now.
     since: f32,
     share: f32,
@@ -81,6 +83,7 @@ impl Flight {
             offset: flat(state.placed_ball - foot.ball),
             yaw: state.yaw_offset,
             align: state.align,
+            hovers: state.hovers,
             since: if foot.swing < 1.0 { foot.swing.min(0.9) } else { 0.0 },
             arc: 1.0,
             ..Self::default()
@@ -193,9 +196,10 @@ impl FootState {
     ) -> PlacedFoot {
         let landing = self.landing.place;
         self.flight.ball = ball;
+        self.hovers = self.flight.hovers * (1.0 - eased);
         if self.mode == Mode::Swing {
             // Clips blended across each other may drag their feet.
-            self.flight.lift = (CLEARS * self.flight.amid() - foot.lowest().max(0.0)).max(0.0);
+            self.flight.lift = (CLEARS * self.flight.amid() - self.height(foot)).max(0.0);
         }
         let done = self.flight.done(landing, eased);
         self.yaw_offset = self.flight.yaw * (1.0 - eased);

@@ -142,6 +142,8 @@ pub struct FootState {
     pub(super) ground: Isometry3d,
     /// Metres by which a planted foot still is over its ground.
     pub(super) over: f32,
+    /// Metres by which the clip has a standing foot over its own floor, which aren't shown.
+    pub(super) hovers: f32,
     /// Metres from where the clip wanted it to where it found room, when it came down.
     pub(super) aside: f32,
     /// Where the ball was placed last, world.
@@ -278,6 +280,11 @@ impl FootState {
         self.flight = Flight::from(self, foot);
     }
 
+    /// Metres that the clip has the foot over its floor, but for what is no step's; blended clips may sink into it.
+    pub(super) fn height(&self, foot: &AnimatedFoot) -> f32 {
+        (foot.lowest().max(0.0) - self.hovers).max(0.0)
+    }
+
     /// Turns the foot to the plane and sets its lowest point as high over it as the clip has it over its floor.
     pub(super) fn place(&mut self, foot: &AnimatedFoot, held: Option<(Pivot, Vec3)>, plane: Plane) -> PlacedFoot {
         let turn = (self.align
@@ -297,9 +304,8 @@ impl FootState {
             .into_iter()
             .map(|offset| plane.height(place + offset) - offset.y)
             .fold(f32::MIN, f32::max);
-        // Blended clips may sink into their own floor.
         let lift = if held.is_none() { self.flight.lift } else { 0.0 };
-        let ankle = place.with_y(needed + foot.lowest().max(0.0) + lift);
+        let ankle = place.with_y(needed + self.height(foot) + lift);
         self.placed_ball = ankle + ball;
         (self.to_heel, self.to_tip) = (flat(heel - ball), flat(tip - ball));
         PlacedFoot {

@@ -27,6 +27,8 @@ const HEEL_DOWN: f32 = 0.05;
 const TAKES_WEIGHT: f32 = 0.06;
 /// Half-life in seconds in which a foot that came down over or under its ground settles onto it.
 const SETTLE: f32 = 0.02;
+/// The same for one that its clip has over its own floor while it stands.
+const HOVERS: f32 = 0.05;
 
 impl FootState {
     /// Takes hold of the ground where the foot is now.
@@ -105,6 +107,7 @@ impl FootState {
         self.forefoot = damp(self.forefoot, 1.0, TAKES_WEIGHT, dt);
         // A landing that was foreseen wrongly sinks or rises onto its ground within a few frames.
         self.over = self.over.max(-0.002) * remaining(SETTLE, dt);
+        self.hovers = damp(self.hovers, foot.lowest().max(0.0), HOVERS, dt);
         let target = limited_align(normal, foot.forward, around.config);
         self.align = damp_quat(self.align, target, around.config.align_half_life, dt);
         let plane = Plane { point: anchor + Vec3::Y * self.over, normal };
