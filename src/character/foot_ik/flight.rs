@@ -128,6 +128,11 @@ impl Flight {
         self.takeoff.lerp(ball, ease((self.share / window.max(1e-3)).min(1.0)))
     }
 
+    /// The plane that the foot left.
+    fn ground(&self) -> Plane {
+        Plane { point: self.takeoff, normal: self.align * Vec3::Y }
+    }
+
     fn follow_ground(&mut self, frames: &impl GroundFrames) {
         if let Some((ground, place)) = self.left
             && let Some(frame) = frames.frame(ground)
@@ -205,7 +210,7 @@ impl FootState {
         self.yaw_offset = self.flight.yaw * (1.0 - eased);
         self.align = self.flight.align.slerp(self.landing.align, eased);
         let (later, over) = POINTS;
-        let down = self.landing.step_down(self.flight.takeoff);
+        let down = self.landing.step_down(self.flight.ground());
         let points = TOES_DOWN * down * ease(((self.flight.share - later) / over).clamp(0.0, 1.0));
         self.toes_down = damp(self.toes_down, points, FOLLOWS, around.dt);
         let flat_sole = self.landing.over_edge || down > 0.5;

@@ -131,11 +131,12 @@ impl Landing {
         moved.map_or(point, |moved| moved.with_y(point.y))
     }
 
-    /// How far, 0..1, the place is a step down from ground at `takeoff`, rather than further down one slope.
-    pub(super) fn step_down(&self, takeoff: Vec3) -> f32 {
+    /// How far, 0..1, the place is a step down from `takeoff`, rather than further down one slope or up another.
+    pub(super) fn step_down(&self, takeoff: Plane) -> f32 {
         let (least, more) = STEP_DOWN;
         let plane = Plane { point: self.place, normal: self.align * Vec3::Y };
-        ((takeoff.y - plane.height(takeoff) - least) / more).clamp(0.0, 1.0)
+        let below = (takeoff.point.y - plane.height(takeoff.point)).min(takeoff.height(self.place) - self.place.y);
+        ((below - least) / more).clamp(0.0, 1.0)
     }
 
     /// The footprint that carries a foot whose ball came down at `ball`: the one that was planned, if it is that.
