@@ -22,7 +22,10 @@ use crate::{
         sole::sole_model,
     },
     math::{rotation::from_scaled_axis, spring::damp},
-    rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
+    rig::{
+        character::CharacterAsset,
+        tuning::foot_ik::{FootIkConfig, TUNED_LEG},
+    },
 };
 
 /// How fast a heel lifts to reach, rad/s, and the half-life in seconds in which it comes down when it needn't.
@@ -273,7 +276,11 @@ impl Body<'_> {
         let lowest = |points: [Vec3; 3]| points.map(over).into_iter().fold(f32::MAX, f32::min);
         let world_from_model = self.root.to_isometry();
         let made = sole_model(&pose.pose, leg).map(|point| world_from_model * point);
-        let wanted = if late { lowest(placed.sole).min(LATE_CLEARS) - lowest(made) } else { 0.0 };
+        let wanted = if late {
+            lowest(placed.sole).min(LATE_CLEARS * self.asset.leg_length / TUNED_LEG) - lowest(made)
+        } else {
+            0.0
+        };
         // An edge comes between the foot and its place from one frame to the next.
         let lift = damp(foot.lifted, wanted.max(0.0), LATE_LIFTS, self.dt);
         foot.lifted = if lift < LEAST_LIFT { 0.0 } else { lift };

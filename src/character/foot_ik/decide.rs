@@ -50,6 +50,9 @@ const LEAST_ARC: f32 = 0.3;
 impl FootState {
     /// One frame: keeps what it does, or begins something else.
     pub(super) fn decide<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
+        let size = around.size;
+        // What a small body misses on steps made for people is no smaller.
+        let slack = size.max(1.0);
         match self.mode {
             Mode::Planted(plant) => {
                 let Some(anchor) = anchor_world(&plant, around.frames) else {
@@ -67,7 +70,7 @@ impl FootState {
                 let config = around.config;
                 // A gait lifts the foot soon by itself.
                 let patience = if around.may_restep { 1.0 } else { PATIENCE };
-                let strained = self.missed > MISSES || self.behind > SLIDES;
+                let strained = self.missed > MISSES * slack || self.behind > SLIDES * slack;
                 self.strained = if strained { self.strained + around.dt } else { 0.0 };
                 if strained && (self.strained > SINKS || !around.may_restep) {
                     self.begin_step(Release::TooFar, foot, around);
@@ -84,9 +87,12 @@ impl FootState {
             Mode::Swing if foot.contact >= 0.5 || around.halts => {
                 let aside = flat(self.placed_ball - self.landing.place).length();
                 let (down, amid) = if around.halts { (TOUCHES, true) } else { (DOWN, self.flight.share() < NEARLY) };
-                if self.missed > MISSES || self.behind > BEHIND || amid && (self.above > down || aside > THERE) {
-                    self.finish_step(foot, aside);
-                } else if self.above < HIGH || self.flight.share() >= 1.0 {
+                if self.missed > MISSES * slack
+                    || self.behind > BEHIND * slack
+                    || amid && (self.above > down * slack || aside > THERE * slack)
+                {
+                    self.finish_step(foot, aside, size);
+                } else if self.above < HIGH * size || self.flight.share() >= 1.0 {
                     // One that is still high has one frame more to come down to its landing.
                     self.lock(foot, around);
                 }
@@ -96,7 +102,7 @@ impl FootState {
                 if foot.contact < 0.5 && !around.halts {
                     self.mode = Mode::Swing;
                     self.change_way(foot);
-                } else if elapsed >= seconds && self.behind < BEHIND || self.touches_down() {
+                } else if elapsed >= seconds && self.behind < BEHIND * slack || self.touches_down(slack) {
                     self.lock(foot, around);
                 }
             }
@@ -132,28 +138,29 @@ impl FootState {
     ) {
         self.release(why, foot, around);
         let aside = flat(self.placed_ball - foot.ball).length();
-        let far = aside * UNHURRIED;
+        let far = aside * UNHURRIED / around.size;
         let turned = (self.yaw_offset.abs() / RESTEP_YAW).min(1.0);
-        self.flight.arc = ease((aside / FULL_ARC).min(1.0)).max(ease(turned)).max(LEAST_ARC);
+        self.flight.arc = ease((aside / (FULL_ARC * around.size)).min(1.0)).max(ease(turned)).max(LEAST_ARC);
         self.mode = Mode::Stepping { elapsed: 0.0, seconds: around.config.step_time.max(HURRY).max(far) };
     }
 
     /// The clip stands while the foot is still in the air: it comes down by a step of its own.
-    pub(super) fn finish_step(&mut self, foot: &AnimatedFoot, aside: f32) {
-        let seconds = (SHORTEST_FINISH + UNHURRIED * aside + FALLS * self.above).min(LONGEST_FINISH);
+    pub(super) fn finish_step(&mut self, foot: &AnimatedFoot, aside: f32, size: f32) {
+        let (aside, above) = (aside / size, self.above / size);
+        let seconds = (SHORTEST_FINISH + UNHURRIED * aside + FALLS * above).min(LONGEST_FINISH);
         self.mode = Mode::Stepping { elapsed: 0.0, seconds };
         self.change_way(foot);
-        self.flight.arc = ease((aside / FULL_ARC).min(1.0)) * (1.0 - self.above / FULL_ARC).max(0.0);
+        self.flight.arc = ease((aside / FULL_ARC).min(1.0)) * (1.0 - above / FULL_ARC).max(0.0);
         self.flight.finishes = true;
     }
 
     /// A foot that finishes what its clip began is down as soon as it is there.
-    fn touches_down(&self) -> bool {
+    fn touches_down(&self, slack: f32) -> bool {
         let aside = flat(self.placed_ball - self.landing.place).length();
         self.flight.finishes
             && self.flight.share() > 0.0
-            && self.behind < BEHIND
-            && self.above < TOUCHES
-            && aside < THERE
+            && self.behind < BEHIND * slack
+            && self.above < TOUCHES * slack
+            && aside < THERE * slack
     }
 }

@@ -117,7 +117,7 @@ impl Flight {
 
     /// How much what is right before the foot is in its way, 0..1.
     fn blocked(&self) -> f32 {
-        (self.way.ahead() / BLOCKS).min(1.0)
+        (self.way.ahead() / (BLOCKS * self.way.size())).min(1.0)
     }
 
     /// A foot that leaves in the middle of the clip's swing, or before a step up, is let go by and by, until it is off the
@@ -172,7 +172,7 @@ impl FootState {
         self.look_over_the_way(foot, around);
         // Up, down or over something takes longer.
         let climb = (self.landing.place.y - self.flight.takeoff.y).abs().max(self.flight.way.highest());
-        let seconds = if begins { seconds + CLIMBS * climb } else { seconds };
+        let seconds = if begins { seconds + CLIMBS * climb / around.size } else { seconds };
         self.mode = Mode::Stepping { elapsed, seconds };
         let share = (elapsed / seconds).clamp(0.0, 1.0);
         self.flight.share = share;
@@ -204,13 +204,13 @@ impl FootState {
         self.hovers = self.flight.hovers * (1.0 - eased);
         if self.mode == Mode::Swing {
             // Clips blended across each other may drag their feet.
-            self.flight.lift = (CLEARS * self.flight.amid() - self.height(foot)).max(0.0);
+            self.flight.lift = (CLEARS * around.size * self.flight.amid() - self.height(foot)).max(0.0);
         }
-        let done = self.flight.done(landing, eased);
+        let done = self.flight.done(landing, eased, SHORT_WAY * around.size);
         self.yaw_offset = self.flight.yaw * (1.0 - eased);
         self.align = self.flight.align.slerp(self.landing.align, eased);
         let (later, over) = POINTS;
-        let down = self.landing.step_down(self.flight.ground());
+        let down = self.landing.step_down(self.flight.ground(), around.size);
         let points = TOES_DOWN * down * ease(((self.flight.share - later) / over).clamp(0.0, 1.0));
         self.toes_down = damp(self.toes_down, points, FOLLOWS, around.dt);
         let flat_sole = self.landing.over_edge || down > 0.5;
@@ -236,8 +236,8 @@ impl FootState {
     fn clear<P: Probe, G: GroundFrames>(&mut self, placed: &mut PlacedFoot, around: &Surroundings<'_, P, G>) {
         self.flight.guard *= remaining(GUARD_HALF_LIFE, around.dt);
         let mut deepest = self.flight.guard;
-        let keeps = (CLEARS + TOUCH) * self.flight.amid() - TOUCH;
-        let rim = flat(placed.sole[2] - placed.sole[0]).normalize_or_zero() * RIM;
+        let keeps = around.size * ((CLEARS + TOUCH) * self.flight.amid() - TOUCH);
+        let rim = flat(placed.sole[2] - placed.sole[0]).normalize_or_zero() * (RIM * around.size);
         for (point, out) in placed.sole.into_iter().zip([-rim, Vec3::ZERO, rim]) {
             if let Some(ground) = around.reach.height(around.probe, point + out) {
                 deepest = deepest.max(ground - point.y + keeps + self.droops);
@@ -255,12 +255,12 @@ impl FootState {
 }
 
 impl Flight {
-    /// Share of the way from take-off to landing that the ball has made; of the time where the way is short.
-    fn done(&self, landing: Vec3, eased: f32) -> f32 {
+    /// Share of the way from take-off to landing that the ball has made; of the time where it is shorter than `short` metres.
+    fn done(&self, landing: Vec3, eased: f32, short: f32) -> f32 {
         let way = flat(landing - self.takeoff);
         let length = way.length();
         let by_place = flat(self.ball - self.takeoff).dot(way) / (length * length).max(1e-6);
-        let sure = ((length - 0.5 * SHORT_WAY) / (0.5 * SHORT_WAY)).clamp(0.0, 1.0);
+        let sure = ((length - 0.5 * short) / (0.5 * short)).clamp(0.0, 1.0);
         (eased + (by_place - eased) * sure).clamp(0.0, 1.0)
     }
 }

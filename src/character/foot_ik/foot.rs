@@ -261,7 +261,7 @@ impl FootState {
             self.placed_ball = foot.ball;
             self.flight = Flight::from(self, foot);
             if foot.contact > 0.5 || around.halts {
-                self.finish_step(foot, 0.0);
+                self.finish_step(foot, 0.0, around.size);
             } else {
                 self.carry.begin();
             }

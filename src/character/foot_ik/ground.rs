@@ -100,6 +100,17 @@ pub struct SoleShape {
     pub ankle_height: f32,
 }
 
+/// Length in metres of the sole that the lengths below are meant for: the mannequin's. They scale with it.
+const TUNED_SOLE: f32 = 0.265;
+
+impl SoleShape {
+    /// Its length as a factor on the mannequin's.
+    #[must_use]
+    pub fn size(&self) -> f32 {
+        (self.heel + self.tip) / TUNED_SOLE
+    }
+}
+
 /// How well a sole would stand somewhere.
 #[derive(Clone, Copy, Debug)]
 pub struct Footprint {
@@ -114,10 +125,10 @@ pub struct Footprint {
 }
 
 impl Footprint {
-    /// Whether the sole lies on the plane without sticking in the ground.
+    /// Whether `sole` lies on the plane without sticking in the ground.
     #[must_use]
-    pub fn has_room(&self) -> bool {
-        self.stuck <= TOLERATED
+    pub fn has_room(&self, sole: &SoleShape) -> bool {
+        self.stuck <= TOLERATED * sole.size()
     }
 }
 
@@ -139,6 +150,7 @@ const HEEL_ROOM: f32 = 0.025;
 /// How the sole would stand with its ball over `ball`, pointing along `forward` (horizontal unit vector).
 pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, sole: SoleShape) -> Option<Footprint> {
     let under_ball = reach.at(probe, ball)?;
+    let size = sole.size();
     let ground = |along: f32| reach.height(probe, ball + forward * along).unwrap_or(f32::NEG_INFINITY);
     // Along the sole: from the ball back to the heel and forward to the tip; the waist finds an edge that both straddle.
     let points = [-sole.heel, -0.5 * sole.heel, sole.tip].map(|along| (along, ground(along) - under_ball.point.y));
@@ -148,24 +160,26 @@ pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, so
     let worst =
         over(slope).into_iter().fold((0.0, 0.0f32), |worst, point| if point.1 > worst.1 { point } else { worst });
     let level = slope;
-    if worst.1 > 0.0 && worst.1 < PROPPED {
+    if worst.1 > 0.0 && worst.1 < PROPPED * size {
         slope += worst.1 / worst.0;
     }
     // What takes more than a bit of pitch is no room, but the best that a foot makes of it.
-    let judged = if worst.1 < PITCHED { slope } else { level };
-    let riser = ground(sole.tip + TOE_ROOM) - under_ball.point.y - slope * (sole.tip + TOE_ROOM);
+    let judged = if worst.1 < PITCHED * size { slope } else { level };
+    let toes = sole.tip + TOE_ROOM * size;
+    let riser = ground(toes) - under_ball.point.y - slope * toes;
     let drop = |along: f32| under_ball.point.y + slope * along - ground(along);
-    let edge = drop(FOOTING).max(drop(-FOOTING));
+    let edge = drop(FOOTING * size).max(drop(-FOOTING * size));
     let stuck = over(judged).into_iter().map(|point| point.1).fold(0.0, f32::max);
-    let behind = ground(-sole.heel - HEEL_ROOM) - under_ball.point.y + slope * (sole.heel + HEEL_ROOM);
+    let heel = sole.heel + HEEL_ROOM * size;
+    let behind = ground(-heel) - under_ball.point.y + slope * heel;
     // On the brink or on what is too steep is bad, in a riser worse.
     let steep = under_ball.normal.y < reach.upright;
-    let stuck = if steep || edge.max(behind) > PITCHED { stuck.max(2.0 * TOLERATED) } else { stuck };
+    let stuck = if steep || edge.max(behind) > PITCHED * size { stuck.max(2.0 * TOLERATED * size) } else { stuck };
     let [(_, heel), ..] = over(slope);
     Some(Footprint {
         ball: under_ball,
         normal: pitched(under_ball.normal, forward, slope),
-        stuck: if riser > PITCHED { stuck.max(riser) } else { stuck },
+        stuck: if riser > PITCHED * size { stuck.max(riser) } else { stuck },
         heel_gap: (-heel).max(0.0),
     })
 }
@@ -191,14 +205,15 @@ pub fn find_room(
     most: f32,
 ) -> Option<(f32, Footprint)> {
     let mut best: Option<(f32, Footprint)> = None;
-    let steps = (most / SHIFT_STEP).ceil().max(0.0) as i32;
+    let step = SHIFT_STEP * sole.size();
+    let steps = (most / step).ceil().max(0.0) as i32;
     let tries = core::iter::once(preferred)
         .chain(core::iter::once(0.0))
-        .chain((1..=steps).flat_map(|i| [i as f32 * SHIFT_STEP, -(i as f32) * SHIFT_STEP]))
+        .chain((1..=steps).flat_map(|i| [i as f32 * step, -(i as f32) * step]))
         .filter(|shift| shift.abs() <= most);
     for shift in tries {
         let Some(print) = footprint(probe, reach, ball + forward * shift, forward, sole) else { continue };
-        if print.has_room() {
+        if print.has_room(&sole) {
             return Some((shift, print));
         }
         if best.is_none_or(|(_, least)| print.stuck < least.stuck) {

@@ -82,7 +82,7 @@ impl Landing {
     ) {
         let first = !self.known;
         self.known = true;
-        let ball = self.follow(ball, time_left, first, around.dt);
+        let ball = self.follow(ball, time_left, first, around);
         self.probe(ball, forward, around);
         let print = self.probed.and_then(|(_, print)| print);
         let on = print.map(|print| print.ball.entity);
@@ -97,7 +97,7 @@ impl Landing {
         }
         self.height.step(level, half_life, around.dt);
         self.align = damp_quat(self.align, align, half_life, around.dt);
-        self.over_edge = print.is_some_and(|print| print.heel_gap > EDGE);
+        self.over_edge = print.is_some_and(|print| print.heel_gap > EDGE * around.size);
         self.place = (ball + forward * self.shift).with_y(self.height.value);
         if time_left < SETTLED && !self.settled {
             self.settled = true;
@@ -108,15 +108,21 @@ impl Landing {
     }
 
     /// The clip's place, followed less and less as the foot comes down.
-    fn follow(&mut self, clip: Vec3, time_left: f32, first: bool, dt: f32) -> Vec3 {
+    fn follow<P: Probe, G: GroundFrames>(
+        &mut self,
+        clip: Vec3,
+        time_left: f32,
+        first: bool,
+        around: &Surroundings<'_, P, G>,
+    ) -> Vec3 {
         let follows = ease(((time_left - SETTLED) / SETTLES).clamp(0.0, 1.0));
         let moved = if first { Vec3::ZERO } else { clip - self.clip };
         self.clip = clip;
         self.behind -= moved * (1.0 - follows);
         if follows >= 1.0 {
-            self.behind *= remaining(FOLLOW, dt);
+            self.behind *= remaining(FOLLOW, around.dt);
         }
-        clip + short_of(self.behind, STAYS)
+        clip + short_of(self.behind, STAYS * around.size)
     }
 
     /// The ground has moved since the last frame, and carries along a place that is told as it is now. A landing that is foreseen
@@ -132,11 +138,11 @@ impl Landing {
     }
 
     /// How far, 0..1, the place is a step down from `takeoff`, rather than further down one slope or up another.
-    pub(super) fn step_down(&self, takeoff: Plane) -> f32 {
+    pub(super) fn step_down(&self, takeoff: Plane, size: f32) -> f32 {
         let (least, more) = STEP_DOWN;
         let plane = Plane { point: self.place, normal: self.align * Vec3::Y };
         let below = (takeoff.point.y - plane.height(takeoff.point)).min(takeoff.height(self.place) - self.place.y);
-        ((below - least) / more).clamp(0.0, 1.0)
+        ((below / size - least) / more).clamp(0.0, 1.0)
     }
 
     /// The footprint that carries a foot whose ball came down at `ball`: the one that was planned, if it is that.
@@ -147,13 +153,15 @@ impl Landing {
         around: &Surroundings<'_, P, G>,
     ) -> Option<Footprint> {
         let planned = self.probed.and_then(|(_, print)| print);
-        planned.filter(|_| (ball - self.place).with_y(0.0).length() < NEAR).or_else(|| print_at(ball, forward, around))
+        planned
+            .filter(|_| (ball - self.place).with_y(0.0).length() < NEAR * around.size.max(1.0))
+            .or_else(|| print_at(ball, forward, around))
     }
 
     fn probe<P: Probe, G: GroundFrames>(&mut self, ball: Vec3, forward: Vec3, around: &Surroundings<'_, P, G>) {
         // A body that rises or sinks may be carried by its ground.
         let seen = ball.with_y(around.reach.root.y);
-        if self.probed.is_some_and(|(last, _)| last.distance(seen) < MOVED) {
+        if self.probed.is_some_and(|(last, _)| last.distance(seen) < MOVED * around.size) {
             return;
         }
         let print = if self.settled {

@@ -48,7 +48,10 @@ use super::{
 use crate::{
     anim::pose::Pose,
     math::spring::damp,
-    rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
+    rig::{
+        character::CharacterAsset,
+        tuning::foot_ik::{FootIkConfig, TUNED_LEG},
+    },
 };
 
 /// Half-life in seconds over which feet take up how fast the body turns.
@@ -215,6 +218,7 @@ impl FootIk {
                 reach: body.reach(config),
                 sole: self.soles[side],
                 config,
+                size: body.asset.leg_length / TUNED_LEG,
                 dt: body.dt,
                 other: self.feet[1 - side].plant().map(|plant| plant.pivot),
                 halts: body.halts(),

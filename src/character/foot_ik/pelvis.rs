@@ -7,7 +7,10 @@
 use bevy::prelude::*;
 
 use super::{ON, heave::Heave, ride::Ride};
-use crate::{math::spring::Spring, rig::tuning::foot_ik::FootIkConfig};
+use crate::{
+    math::spring::Spring,
+    rig::tuning::foot_ik::{FootIkConfig, TUNED_LEG},
+};
 
 /// Half-life in seconds in which the body follows a change of the slope that it rides over.
 const FOLLOW: f32 = 0.3;
@@ -181,7 +184,11 @@ impl PelvisState {
         let carried = (ride.value - floor) * weight;
         let raised = legs.map(|leg| LegReach { hip: leg.hip + Vec3::Y * carried, ..leg });
         let wanted = drop_for(&raised, config) * weight;
-        self.drop.step(wanted, rise_slower(wanted - self.drop.value) * config.pelvis_half_life, dt);
+        self.drop.step(
+            wanted,
+            rise_slower((wanted - self.drop.value) * TUNED_LEG / legs[0].length) * config.pelvis_half_life,
+            dt,
+        );
         let placed = carried + self.drop.value * weight;
         let squat = floor + carried + SQUAT * legs[0].length;
         let lowest = squat.max(hips + placed - most);
@@ -193,7 +200,7 @@ impl PelvisState {
     }
 }
 
-/// How much slower than sinking the pelvis rises by `rise` metres; 1 where it sinks.
+/// How much slower than sinking the pelvis rises by `rise` metres, told for a leg of [`TUNED_LEG`]; 1 where it sinks.
 fn rise_slower(rise: f32) -> f32 {
     let (from, to) = KNEELS;
     let kneels = ((rise - from) / (to - from)).clamp(0.0, 1.0);

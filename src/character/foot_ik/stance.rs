@@ -22,6 +22,10 @@ const ACROSS: f32 = 0.05;
 const AMISS: f32 = 0.01;
 /// Metres by which one end of the sole must be over the other to count as lifted.
 const ROLLED: f32 = 0.002;
+/// Metres by which the heel must be lower than the ball to come down first.
+const STRIKES: f32 = 0.004;
+/// Metres to which a foot may settle onto its ground from below.
+const SUNK: f32 = 0.002;
 /// Half-lives in seconds: in which a heel comes down after a landing on the toes, and in which a foot takes its weight.
 const HEEL_DOWN: f32 = 0.05;
 const TAKES_WEIGHT: f32 = 0.06;
@@ -35,8 +39,8 @@ impl FootState {
     pub(super) fn lock<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
         self.placed_ball = self.landing.carried(self.placed_ball, around.frames);
         let rest = flat(self.landing.place - self.placed_ball);
-        let has_room = |place: Vec3| print_at(place, foot.forward, around).is_some_and(|print| print.has_room());
-        if self.mode == Mode::Swing && (rest.length() > AMISS || !has_room(self.placed_ball)) {
+        let has_room = |place: Vec3| print_at(place, foot.forward, around).is_some_and(|print| print.has_room(&around.sole));
+        if self.mode == Mode::Swing && (rest.length() > AMISS * around.size || !has_room(self.placed_ball)) {
             // The clip's foot came down between two frames: until then this one went on to where there is room.
             self.placed_ball += rest.clamp_length_max(flat(self.carry.velocity()).length() * around.dt);
         }
@@ -44,7 +48,7 @@ impl FootState {
         self.aside = flat(self.placed_ball - foot.ball).length();
         // After a step of its own a foot takes its weight by and by.
         self.forefoot = if matches!(self.mode, Mode::Stepping { .. }) { 0.0 } else { 1.0 };
-        let heel_first = foot.heel.y < foot.ball.y - 0.004 && self.flatten.value < 0.5;
+        let heel_first = foot.heel.y < foot.ball.y - STRIKES * around.size && self.flatten.value < 0.5;
         self.plant_at(if heel_first { Pivot::Heel } else { Pivot::Ball }, foot, around);
     }
 
@@ -106,21 +110,22 @@ impl FootState {
         self.toes_down *= remaining(HEEL_DOWN, dt);
         self.forefoot = damp(self.forefoot, 1.0, TAKES_WEIGHT, dt);
         // A landing that was foreseen wrongly sinks or rises onto its ground within a few frames.
-        self.over = self.over.max(-0.002) * remaining(SETTLE, dt);
+        self.over = self.over.max(-SUNK * around.size) * remaining(SETTLE, dt);
         self.hovers = damp(self.hovers, foot.lowest().max(0.0), HOVERS, dt);
         let target = limited_align(normal, foot.forward, around.config);
         self.align = damp_quat(self.align, target, around.config.align_half_life, dt);
         let plane = Plane { point: anchor + Vec3::Y * self.over, normal };
         // The sole rolls from heel over ball to tip; what lies on the ground carries the lock, from where it was last.
         let [heel, ball, tip] = [foot.heel, foot.ball, foot.tip].map(|point| point.y - foot.floor);
+        let rolled = ROLLED * around.size;
         let (pivot, anchor) = match plant.pivot {
-            Pivot::Ball if ball > ROLLED + tip.max(0.0) && tip < heel => self.roll(Pivot::Tip, plant, plane, frame),
+            Pivot::Ball if ball > rolled + tip.max(0.0) && tip < heel => self.roll(Pivot::Tip, plant, plane, frame),
             Pivot::Tip if ball <= tip => self.roll(Pivot::Ball, plant, plane, frame),
             pivot => (pivot, anchor),
         };
         let placed = self.place(foot, Some((pivot, anchor)), plane);
         self.base = plane.height(self.placed_ball);
-        if plant.pivot == Pivot::Heel && ball <= ROLLED + heel.max(0.0) {
+        if plant.pivot == Pivot::Heel && ball <= rolled + heel.max(0.0) {
             self.roll(Pivot::Ball, plant, plane, frame);
             self.forefoot = 0.0;
             self.lay_flat(foot, around);
@@ -131,7 +136,7 @@ impl FootState {
     /// The forefoot is down: the ground under it carries the sole, unless that is across an edge.
     fn lay_flat<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
         let found = print_at(self.placed_ball, foot.forward, around);
-        if found.is_some_and(|print| (print.ball.point.y - self.base).abs() < ACROSS) {
+        if found.is_some_and(|print| (print.ball.point.y - self.base).abs() < ACROSS * around.size) {
             self.landing = Landing::default();
             self.plant_at(Pivot::Ball, foot, around);
         }

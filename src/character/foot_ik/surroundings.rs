@@ -75,6 +75,8 @@ pub struct Surroundings<'a, P, G> {
     pub sole: SoleShape,
     /// Tuning, already scaled to the leg.
     pub config: &'a FootIkConfig,
+    /// Length of the leg as a factor on the mannequin's: all lengths go with it.
+    pub size: f32,
     /// Seconds since the last frame.
     pub dt: f32,
     /// By what the other foot holds the ground; `None` while it is in the air.

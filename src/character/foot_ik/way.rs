@@ -37,6 +37,7 @@ pub(super) struct Way {
     length: f32,
     apart: f32,
     heel: f32,
+    size: f32,
     /// The landing that was looked for.
     landing: Option<Vec3>,
 }
@@ -51,16 +52,17 @@ impl Way {
         around: &Surroundings<'_, P, G>,
     ) {
         let first = self.landing.is_none();
-        if self.landing.is_none_or(|last| last.distance(landing) > MOVED) {
+        if self.landing.is_none_or(|last| last.distance(landing) > MOVED * around.size) {
             let way = (landing - takeoff).with_y(0.0);
             let (heel, tip) = (around.sole.heel, around.sole.tip);
             self.landing = Some(landing);
             self.along = direction_or(way, forward);
             self.length = way.length();
-            self.heel = heel;
+            (self.heel, self.size) = (heel, around.size);
+            let apart = APART * around.size;
             self.start = takeoff;
-            self.apart = APART.max((self.length + heel + tip) / (PLACES - 1) as f32);
-            let line = Line { from: takeoff.y, rise: landing.y - takeoff.y, length: self.length.max(APART) };
+            self.apart = apart.max((self.length + heel + tip) / (PLACES - 1) as f32);
+            let line = Line { from: takeoff.y, rise: landing.y - takeoff.y, length: self.length.max(apart) };
             let slope = -normal.dot(self.along) / normal.y.max(0.2);
             for (place, seen) in self.seen.iter_mut().enumerate() {
                 let at = self.apart * place as f32 - heel;
@@ -69,7 +71,7 @@ impl Way {
                 let sole = balls.map(|ball| line.at(ball) + slope * (at - ball));
                 let ground = around.reach.height(around.probe, takeoff + self.along * at);
                 let over = ground.map_or(0.0, |ground| ground - sole[0].min(sole[1]));
-                *seen = over.max(0.0) + around.config.clearance * smooth(over / OBSTACLE);
+                *seen = over.max(0.0) + around.config.clearance * smooth(over / (OBSTACLE * around.size));
             }
         }
         for (lift, seen) in self.lifts.iter_mut().zip(self.seen) {
@@ -80,6 +82,11 @@ impl Way {
     /// Metres by which the highest thing in the way stands over the line.
     pub(super) fn highest(&self) -> f32 {
         self.lifts.iter().copied().fold(0.0, f32::max)
+    }
+
+    /// Length of the leg as a factor on the mannequin's; 1 before the first look.
+    pub(super) fn size(&self) -> f32 {
+        if self.landing.is_some() { self.size } else { 1.0 }
     }
 
     /// Metres by which the first things in the way, within a foot's length before the toes, stand over the line.
@@ -99,7 +106,7 @@ impl Way {
         let most = (0..PLACES)
             .map(|place| {
                 let passed = heel - (self.apart * place as f32 - self.heel);
-                self.lifts[place] * smooth(1.0 - passed / (BEHIND * self.length).max(APART))
+                self.lifts[place] * smooth(1.0 - passed / (BEHIND * self.length).max(APART * self.size))
             })
             .fold(0.0, f32::max);
         most * smooth(share / RISE) * smooth((1.0 - share) / FALL)
@@ -130,7 +137,7 @@ mod tests {
 
     /// A thing of 0.2 m, 0.3 m ahead, on a way of 0.8 m.
     fn way() -> Way {
-        let mut way = Way { along: Vec3::NEG_Z, length: 0.8, apart: 0.05, heel: 0.19, ..Way::default() };
+        let mut way = Way { along: Vec3::NEG_Z, length: 0.8, apart: 0.05, heel: 0.19, size: 1.0, ..Way::default() };
         way.lifts[10] = 0.2;
         way
     }
