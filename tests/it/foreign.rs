@@ -243,6 +243,25 @@ fn foreign_bodies_of_any_size_walk_over_hills_and_stairs_on_their_feet() {
 }
 
 #[test]
+fn short_legs_with_long_feet_climb_stairs_made_for_them_without_sinking_in() {
+    // Feet as long as the legs, as toys have them, and longer than the treads.
+    let (size, feet) = (0.45, 2.6);
+    let asset = character("()", &stranger(size, feet));
+    let speed = 1.3 * size.sqrt();
+    for tread in [0.32, 0.6] {
+        let world = World::stairs_up(8, 0.17 * size, tread * size);
+        let mut stage = Stage::on(&world);
+        let walker = stage.spawn_loaded(asset.clone(), &[Transform::IDENTITY])[0];
+        stage.run_for(0.5).start_recording(walker).walk(walker, Vec3::NEG_Z * speed).run_for(5.0);
+        let measures = stage.measures(walker);
+        let way = stage.root(walker).length();
+        assert!(way > 4.0 * speed, "treads of {tread}: it came {way} m far");
+        assert!(measures.penetration_p99 <= 5.0, "treads of {tread}: feet sink in {} mm", measures.penetration_p99);
+        assert!(measures.skate <= 2.0, "treads of {tread}: feet skate {} cm/s", measures.skate);
+    }
+}
+
+#[test]
 fn a_clip_that_hovers_over_its_floor_stands_on_the_ground() {
     let mut rig = Rig::from_slice(include_bytes!("../../assets/mannequin.glb"), |_| Err("no files".to_owned()))
         .expect("the mannequin is good");

@@ -114,9 +114,9 @@ impl SoleShape {
 /// How well a sole would stand somewhere.
 #[derive(Clone, Copy, Debug)]
 pub struct Footprint {
-    /// Ground under the ball.
+    /// Ground under the ball; where heel and tip rest on what is higher, where they hold the ball over it.
     pub ball: GroundHit,
-    /// Normal of the plane that carries the sole: the ball's, pitched so that heel or tip is carried too.
+    /// Normal of the plane that carries the sole: the ball's, pitched so that heel and tip are carried too.
     pub normal: Vec3,
     /// Metres by which heel or tip would stick in the ground, were the sole laid on that plane.
     pub stuck: f32,
@@ -140,6 +140,8 @@ const SHIFT_STEP: f32 = 0.02;
 const PITCHED: f32 = 0.06;
 /// Metres by which a foot that finds no room is propped up at one end rather than sunk in.
 const PROPPED: f32 = 0.16;
+/// Steepest slope, rise over run, of a sole that rests on two edges: 31°.
+const STEEP: f32 = 0.6;
 /// Metres before and behind the ball that must still carry it: toes and heel may hang over an edge, the ball not.
 const FOOTING: f32 = 0.03;
 /// Metres that toes keep from a riser ahead, so that they clear it when they lift; and a heel from one behind, so that it
@@ -175,13 +177,37 @@ pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, so
     // On the brink or on what is too steep is bad, in a riser worse.
     let steep = under_ball.normal.y < reach.upright;
     let stuck = if steep || edge.max(behind) > PITCHED * size { stuck.max(2.0 * TOLERATED * size) } else { stuck };
-    let [(_, heel), ..] = over(slope);
+    let rest = resting(points, slope, size);
+    let [(_, heel), ..] = over(rest.slope);
     Some(Footprint {
-        ball: under_ball,
-        normal: pitched(under_ball.normal, forward, slope),
+        ball: GroundHit { point: under_ball.point + Vec3::Y * rest.lift, ..under_ball },
+        normal: pitched(under_ball.normal, forward, rest.slope),
         stuck: if riser > PITCHED * size { stuck.max(riser) } else { stuck },
-        heel_gap: (-heel).max(0.0),
+        heel_gap: (rest.lift - heel).max(0.0),
     })
+}
+
+/// How a sole rests: its slope along the foot, and the ball's height over the ground below it in metres.
+#[derive(Clone, Copy, Debug)]
+struct Rest {
+    slope: f32,
+    lift: f32,
+}
+
+/// How a sole rests over `points` (metres along the foot from the ball, and over its ground): as `slope` says, unless it would
+/// stick in them; then on the two that carry it with the ball as low as may be. Nothing rests on what is too high to step on.
+fn resting(points: [(f32, f32); 3], slope: f32, size: f32) -> Rest {
+    let lift = |slope: f32| points.into_iter().map(|(along, height)| height - slope * along).fold(0.0, f32::max);
+    let flat = Rest { slope, lift: 0.0 };
+    if lift(slope) <= TOLERATED * size.min(1.0) {
+        return flat;
+    }
+    let [heel, waist, tip] = points;
+    let pairs = [heel, waist, (0.0, 0.0)].map(|behind| (tip.1 - behind.1) / (tip.0 - behind.0));
+    let slopes = pairs.into_iter().chain([slope]).filter(|slope| slope.is_finite());
+    let rests = slopes.map(|slope| slope.clamp(-STEEP, STEEP)).map(|slope| Rest { slope, lift: lift(slope) });
+    let lowest = rests.min_by(|a, b| a.lift.total_cmp(&b.lift));
+    lowest.filter(|rest| rest.lift <= PROPPED * size).unwrap_or(flat)
 }
 
 /// `normal` turned about the foot's side axis so that the plane rises by `slope` along `forward`.
@@ -260,6 +286,23 @@ mod tests {
             let ball = Vec3::new(0.0, 0.0, -1.5 + 0.01 * i as f32);
             let (shift, print) = find_room(&Stairs, REACH, ball, Vec3::Z, SOLE, 0.0, 0.2).expect("stairs everywhere");
             assert!(print.stuck <= 0.004, "{:.3} m stuck after a shift of {shift:.2} m", print.stuck);
+        }
+    }
+
+    #[test]
+    fn a_sole_longer_than_the_treads_rests_on_their_edges() {
+        // As long as a tread and a half.
+        let sole = SoleShape { heel: 0.28, tip: 0.16, ..SOLE };
+        for i in 0..29 {
+            let ball = Vec3::new(0.0, 0.0, -0.9 - 0.01 * i as f32);
+            let print = footprint(&Stairs, REACH, ball, Vec3::NEG_Z, sole).expect("stairs everywhere");
+            let plane = Plane { point: print.ball.point, normal: print.normal };
+            for along in [-0.28, 0.0, 0.16] {
+                let place = ball + Vec3::NEG_Z * along;
+                let ground = REACH.height(&Stairs, place).expect("stairs everywhere");
+                let deep = ground - plane.height(place);
+                assert!(deep < 0.01, "{deep:.3} m deep {along} m from the ball, {i} cm on");
+            }
         }
     }
 

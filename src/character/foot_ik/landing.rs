@@ -33,6 +33,9 @@ const EDGE: f32 = 0.025;
 /// A lower step: from which height on, metres, a foot reaches for it with its toes, and by how much higher it does so fully.
 const STEP_DOWN: (f32, f32) = (0.06, 0.1);
 
+/// Room that feet look for, longer for their legs than the mannequin's, as a factor on what it looks for.
+const LONG_FEET: (f32, f32) = (1.0, 1.75);
+
 /// Where a foot will come down.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Landing {
@@ -167,7 +170,8 @@ impl Landing {
         let print = if self.settled {
             print_at(ball, forward, around)
         } else {
-            let most = around.config.landing_shift;
+            let (least, longest) = LONG_FEET;
+            let most = around.config.landing_shift * (around.sole.size() / around.size).clamp(least, longest);
             let found = find_room(around.probe, around.reach, ball, forward, around.sole, self.wanted_shift, most);
             found.map(|(shift, print)| {
                 self.wanted_shift = shift;
