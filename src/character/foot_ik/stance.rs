@@ -19,7 +19,7 @@ use crate::math::{
 /// Metres of height between two grounds that don't carry one sole.
 const ACROSS: f32 = 0.05;
 /// Metres from its landing from which on a foot that comes down early goes on to there.
-const AMISS: f32 = 0.01;
+const AMISS: f32 = 0.02;
 /// Metres by which one end of the sole must be over the other to count as lifted.
 const ROLLED: f32 = 0.002;
 /// Metres by which the heel must be lower than the ball to come down first.
