@@ -1,6 +1,6 @@
 //! Rotations: shortest arcs, logarithm and exponential, swing and twist. Every function takes any input without NaN.
 
-use bevy::math::{Quat, Vec2, Vec3, Vec4, ops};
+use bevy::math::{Quat, Vec2, Vec3, ops};
 
 /// Squared lengths below this have no direction that `f32` can hold.
 const TINY_SQUARED: f32 = 1e-16;
@@ -30,21 +30,14 @@ pub fn any_perpendicular(axis: Vec3) -> Vec3 {
 /// Opposite directions turn half a circle about some perpendicular axis; a zero vector gives the identity.
 #[must_use]
 pub fn shortest_arc(from: Vec3, to: Vec3) -> Quat {
-    let (from_squared, to_squared) = (from.length_squared(), to.length_squared());
-    let sound = |squared: f32| squared.is_finite() && squared > TINY_SQUARED;
-    if !(sound(from_squared) && sound(to_squared)) {
-        return Quat::IDENTITY;
-    }
-    // All of this by the product of both lengths.
-    let lengths = from_squared.sqrt() * to_squared.sqrt();
+    let (Some(from), Some(to)) = (direction(from), direction(to)) else { return Quat::IDENTITY };
     let cos = from.dot(to);
-    if cos < -0.999_999 * lengths {
+    if cos < -0.999_999 {
         let axis = any_perpendicular(from);
         return Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
     }
     let cross = from.cross(to);
-    let rotation = Vec4::new(cross.x, cross.y, cross.z, lengths + cos) / lengths;
-    Quat::from_vec4(rotation).normalize()
+    Quat::from_xyzw(cross.x, cross.y, cross.z, 1.0 + cos).normalize()
 }
 
 /// Squared sine of half an angle (here of 11°) up to which a short series gives the angle.

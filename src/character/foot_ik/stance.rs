@@ -39,7 +39,8 @@ impl FootState {
     pub(super) fn lock<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
         self.placed_ball = self.landing.carried(self.placed_ball, around.frames);
         let rest = flat(self.landing.place - self.placed_ball);
-        let has_room = |place: Vec3| print_at(place, foot.forward, around).is_some_and(|print| print.has_room(&around.sole));
+        let has_room =
+            |place: Vec3| print_at(place, foot.forward, around).is_some_and(|print| print.has_room(&around.sole));
         if self.mode == Mode::Swing && (rest.length() > AMISS * around.size || !has_room(self.placed_ball)) {
             // The clip's foot came down between two frames: until then this one went on to where there is room.
             self.placed_ball += rest.clamp_length_max(flat(self.carry.velocity()).length() * around.dt);
