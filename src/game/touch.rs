@@ -27,6 +27,8 @@ use crate::{
 /// Parts of an arm's length from the shoulder at which a hand takes hold, and at which it lets go.
 const TAKES: f32 = 0.96;
 const LETS_GO: f32 = 1.1;
+/// Metres from shoulder to wrist of the arm that the lengths below are meant for; others' go with their arm.
+const ARM: f32 = 0.57;
 /// Metres ahead of the shoulder at which a hand likes to hold.
 const AHEAD: f32 = 0.16;
 /// Metres behind the shoulder beyond which a hand does not follow.
@@ -35,8 +37,10 @@ const BEHIND: f32 = 0.28;
 const FASTEST: f32 = 2.3;
 /// Seconds in which half of the way to a hold is made.
 const HALF_LIFE: f32 = 0.14;
-/// Middle of the palm from the wrist in metres, of a body of 1.8 m: outward and down, as the arm is at rest.
+/// Middle of the palm from the wrist in metres: outward and down, as the arm is at rest.
 const PALM: (f32, f32) = (0.085, 0.03);
+/// Metres by which a palm may be elsewhere than its arm says: poses stretch arms by rounding.
+const SAME: f32 = 0.001;
 /// Most that a hand bends and twists to lie on what it touches, radians.
 const WRIST: f32 = 1.3;
 /// Metres below the shoulder at which a hand touches what is upright.
@@ -111,13 +115,14 @@ impl Touchable {
         }
     }
 
-    /// The place on it that a hand takes whose shoulder is at `shoulder`; both in its own space.
+    /// The place on it that a hand takes whose shoulder is at `shoulder`, and whose arm is `size` times a person's; both places
+    /// in its own space.
     #[must_use]
-    pub fn hold(&self, shoulder: Vec3) -> Vec3 {
+    pub fn hold(&self, shoulder: Vec3, size: f32) -> Vec3 {
         match *self {
             Self::Bar { middle, half } => middle + Vec3::X * (shoulder.x - middle.x).clamp(-half, half),
             Self::Mast { halves, height } => {
-                let y = (shoulder.y - BELOW_SHOULDER).clamp(0.0, height);
+                let y = (shoulder.y - BELOW_SHOULDER * size).clamp(0.0, height);
                 let half = halves[0].lerp(halves[1], y / height.max(0.01));
                 let flat = Vec2::new(shoulder.x, shoulder.z);
                 let onto = flat.clamp(Vec2::splat(-half), Vec2::splat(half));
@@ -143,7 +148,6 @@ fn give_arms(mut commands: Commands, fresh: Query<Entity, Added<Touches>>) {
         for (side, outward) in [(LEFT, -1.0), (RIGHT, 1.0)] {
             let facing = Some(TipFacing { side: Vec3::NEG_Y, toward: Vec3::NEG_Y, most: WRIST });
             let chain = IkChain { half_life: HALF_LIFE, facing, ..IkChain::arm(side) };
-            let chain = chain.with_effector(Vec3::new(outward * PALM.0, -PALM.1, 0.0));
             commands.spawn((TouchingArm { side, outward }, chain, ChainOf(entity)));
         }
     }
@@ -163,8 +167,14 @@ fn touch(
             continue;
         };
         let holds = chain.target != IkTarget::None;
-        let arm_length = shoulder.distance(elbow) + elbow.distance(wrist) + PALM.0;
-        let hand = Hand { shoulder, outward: arm.outward, reach: arm_length * if holds { LETS_GO } else { TAKES } };
+        let to_wrist = shoulder.distance(elbow) + elbow.distance(wrist);
+        let size = to_wrist / ARM;
+        let palm = size * Vec3::new(arm.outward * PALM.0, -PALM.1, 0.0);
+        if chain.effector.distance(palm) > SAME * size {
+            chain.effector = palm;
+        }
+        let reach = (to_wrist + PALM.0 * size) * if holds { LETS_GO } else { TAKES };
+        let hand = Hand { shoulder, outward: arm.outward, reach, size };
         let walks = motion.ground.is_some() && motion.ground_velocity.length() < FASTEST && !motion.facing_locked;
         let near = things.iter().filter(|_| walks).filter_map(|(entity, thing, place)| {
             let world_from_thing = place.to_isometry();
@@ -206,6 +216,8 @@ struct Hand {
     outward: f32,
     /// Metres from the shoulder.
     reach: f32,
+    /// Its arm over a person's.
+    size: f32,
 }
 
 impl Hand {
@@ -217,10 +229,10 @@ impl Hand {
         world_from_model: &Isometry3d,
     ) -> Option<(Vec3, f32)> {
         let thing_from_model = world_from_thing.inverse() * *world_from_model;
-        let hold = thing.hold(thing_from_model * (self.shoulder + Vec3::NEG_Z * AHEAD));
+        let hold = thing.hold(thing_from_model * (self.shoulder + Vec3::NEG_Z * (AHEAD * self.size)), self.size);
         let hold_model = thing_from_model.inverse() * hold;
         let from_shoulder = hold_model - self.shoulder;
-        let beside = hold_model.x * self.outward > 0.0 && from_shoulder.z < BEHIND;
+        let beside = hold_model.x * self.outward > 0.0 && from_shoulder.z < BEHIND * self.size;
         let away = from_shoulder.length();
         (beside && away < self.reach).then_some((hold, away))
     }
@@ -234,7 +246,7 @@ mod tests {
 
     /// A right hand of a body that stands `aside` metres left of the rail and faces along it.
     fn take(aside: f32, along: f32) -> Option<(Vec3, f32)> {
-        let hand = Hand { shoulder: Vec3::new(0.185, 1.4, 0.0), outward: 1.0, reach: 0.65 };
+        let hand = Hand { shoulder: Vec3::new(0.185, 1.4, 0.0), outward: 1.0, reach: 0.65, size: 1.0 };
         // The rail's X is the body's -Z.
         let turned = Quat::from_rotation_y(core::f32::consts::FRAC_PI_2);
         let rail = Isometry3d::new(Vec3::new(aside, 0.0, along), turned);
@@ -257,9 +269,18 @@ mod tests {
     }
 
     #[test]
+    fn a_giant_takes_hold_further_ahead() {
+        let hand = Hand { shoulder: Vec3::new(0.46, 3.5, 0.0), outward: 1.0, reach: 3.0, size: 2.5 };
+        let turned = Quat::from_rotation_y(core::f32::consts::FRAC_PI_2);
+        let (hold, _) =
+            hand.take(&RAIL, &Isometry3d::new(Vec3::X, turned), &Isometry3d::IDENTITY).expect("within reach");
+        assert!((hold.x - 2.5 * AHEAD).abs() < 1e-5, "it takes {hold}");
+    }
+
+    #[test]
     fn a_mast_is_touched_on_the_near_side() {
         let mast = Touchable::of(&Shape::Mast { height: 8.0, width: 0.8 }).expect("masts are touched");
-        let hold = mast.hold(Vec3::new(0.1, 1.4, 2.0));
+        let hold = mast.hold(Vec3::new(0.1, 1.4, 2.0), 1.0);
         assert!((hold.y - 1.2).abs() < 1e-5 && (hold.z - 0.37).abs() < 1e-3 && (hold.x - 0.1).abs() < 1e-5, "{hold}");
     }
 }

@@ -12,7 +12,7 @@ const LONGEST: f32 = 0.3;
 const SHORTEST: f32 = 0.05;
 /// Seconds in which a lift-off by a gait is eased: some seven frames at 60 Hz; and the frames that it takes at least.
 const LIFT_OFF: f32 = 0.11;
-const FRAMES: f32 = 4.0;
+const FRAMES: f32 = 4.5;
 
 /// An offset that decays, and what it is made of.
 #[derive(Clone, Copy, Debug, Default)]
