@@ -18,8 +18,6 @@ use crate::math::{
 
 /// Metres of height between two grounds that don't carry one sole.
 const ACROSS: f32 = 0.05;
-/// Metres from its landing from which on a foot that comes down early goes on to there.
-const AMISS: f32 = 0.02;
 /// Metres by which one end of the sole must be over the other to count as lifted.
 const ROLLED: f32 = 0.002;
 /// Metres by which the heel must be lower than the ball to come down first.
@@ -38,11 +36,11 @@ impl FootState {
     /// Takes hold of the ground where the foot is now.
     pub(super) fn lock<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
         self.placed_ball = self.landing.carried(self.placed_ball, around.frames);
-        let rest = flat(self.landing.place - self.placed_ball);
         let has_room =
             |place: Vec3| print_at(place, foot.forward, around).is_some_and(|print| print.has_room(&around.sole));
-        if self.mode == Mode::Swing && (rest.length() > AMISS * around.size || !has_room(self.placed_ball)) {
+        if self.mode == Mode::Swing && !has_room(self.placed_ball) {
             // The clip's foot came down between two frames: until then this one went on to where there is room.
+            let rest = flat(self.landing.place - self.placed_ball);
             self.placed_ball += rest.clamp_length_max(flat(self.carry.velocity()).length() * around.dt);
         }
         self.carry.end();
