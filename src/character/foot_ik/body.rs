@@ -22,10 +22,7 @@ use crate::{
         sole::sole_model,
     },
     math::{rotation::from_scaled_axis, spring::damp},
-    rig::{
-        character::CharacterAsset,
-        tuning::foot_ik::{FootIkConfig, TUNED_LEG},
-    },
+    rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
 };
 
 /// How fast a heel lifts to reach, rad/s, and the half-life in seconds in which it comes down when it needn't.
@@ -45,13 +42,18 @@ pub(super) struct Body<'a> {
     pub(super) motion: &'a MotionState,
     pub(super) locomotion: &'a Locomotion,
     pub(super) asset: &'a CharacterAsset,
+    /// Tuning, scaled to the leg.
+    pub(super) config: &'a FootIkConfig,
+    /// Length of the leg as a factor on the mannequin's.
+    pub(super) size: f32,
     /// Whether feet shall find the ground at all.
     pub(super) wanted: bool,
     pub(super) dt: f32,
     /// How fast it turns about +Y, rad/s, as feet see it.
     pub(super) turns: f32,
-    /// How lively the clips are that play.
+    /// How lively the clips are that play, and how fast they move a leg's joints, rad/s.
     pub(super) clips: Peak,
+    pub(super) leg_speed: f32,
 }
 
 /// Where a leg shall have its foot.
@@ -61,8 +63,6 @@ pub(super) struct LegAim<'a, P> {
     pub(super) weight: f32,
     /// Least speed of the leg's joints that it may have, rad/s: who stops a fall is in a hurry.
     pub(super) hurry: f32,
-    /// Tuning, scaled to the leg.
-    pub(super) config: &'a FootIkConfig,
     pub(super) probe: &'a P,
 }
 
@@ -84,7 +84,8 @@ impl Body<'_> {
         self.motion.ground.is_some() && (machine.is_empty() || !machine.steps(machine.current()))
     }
 
-    pub(super) fn reach(&self, config: &FootIkConfig) -> Reach {
+    pub(super) fn reach(&self) -> Reach {
+        let config = self.config;
         Reach {
             root: self.root.translation,
             up: config.probe_up,
@@ -188,7 +189,7 @@ impl Body<'_> {
     ) -> LegResult {
         let leg = &self.asset.legs[side];
         let result = self.reach_for(pose, leg, foot, aim);
-        let fastest = self.locomotion.leg_speed(self.asset).max(aim.hurry);
+        let fastest = self.leg_speed.max(aim.hurry);
         let asked = pose.pose.position(leg.foot);
         foot.pace.keep(&mut pose.pose, &self.asset.skeleton, leg, foot.plant().is_none(), (fastest, self.dt));
         self.lift_late(pose, leg, foot, aim);
@@ -212,7 +213,7 @@ impl Body<'_> {
         foot: &mut FootState,
         aim: &LegAim<'_, P>,
     ) -> LegResult {
-        let LegAim { placed, weight, config, .. } = *aim;
+        let (placed, weight, config) = (aim.placed, aim.weight, self.config);
         let model_from_world = self.root.to_isometry().inverse();
         let turn = Quat::IDENTITY.slerp(placed.turn, weight);
         let turn_model = model_from_world.rotation * turn * model_from_world.rotation.inverse();
@@ -264,23 +265,19 @@ impl Body<'_> {
         pose: &mut CharacterPose,
         leg: &Leg,
         foot: &mut FootState,
-        LegAim { placed, config, probe, .. }: &LegAim<'_, P>,
+        LegAim { placed, probe, .. }: &LegAim<'_, P>,
     ) {
         let late = foot.plant().is_none() && foot.pace.is_late();
         if foot.plant().is_some() || !late && foot.lifted <= 0.0 {
             foot.lifted = 0.0;
             return;
         }
-        let ground = |point: Vec3| self.reach(config).height(*probe, point);
+        let ground = |point: Vec3| self.reach().height(*probe, point);
         let over = |point: Vec3| point.y - ground(point).unwrap_or_else(|| placed.plane.height(point));
         let lowest = |points: [Vec3; 3]| points.map(over).into_iter().fold(f32::MAX, f32::min);
         let world_from_model = self.root.to_isometry();
         let made = sole_model(&pose.pose, leg).map(|point| world_from_model * point);
-        let wanted = if late {
-            lowest(placed.sole).min(LATE_CLEARS * self.asset.leg_length / TUNED_LEG) - lowest(made)
-        } else {
-            0.0
-        };
+        let wanted = if late { lowest(placed.sole).min(LATE_CLEARS * self.size) - lowest(made) } else { 0.0 };
         // An edge comes between the foot and its place from one frame to the next.
         let lift = damp(foot.lifted, wanted.max(0.0), LATE_LIFTS, self.dt);
         foot.lifted = if lift < LEAST_LIFT { 0.0 } else { lift };

@@ -48,10 +48,7 @@ use super::{
 use crate::{
     anim::pose::Pose,
     math::spring::damp,
-    rig::{
-        character::CharacterAsset,
-        tuning::foot_ik::{FootIkConfig, TUNED_LEG},
-    },
+    rig::{character::CharacterAsset, tuning::foot_ik::TUNED_LEG},
 };
 
 /// Half-life in seconds over which feet take up how fast the body turns.
@@ -163,7 +160,11 @@ fn plant(
             // Landings turn with the body; one that begins to turn would throw them about.
             ik.turns = damp(ik.turns, motion.yaw_rate, TURNS_HALF_LIFE, dt);
             let clips = locomotion.liveliest(asset, dt.max(SEEN));
-            let body = Body { root, motion, locomotion, asset, wanted, dt, turns: ik.turns, clips };
+            let config = &asset.file.foot_ik.for_leg(asset.leg_length);
+            let size = asset.leg_length / TUNED_LEG;
+            let leg_speed = locomotion.leg_speed(asset);
+            let turns = ik.turns;
+            let body = Body { root, motion, locomotion, asset, config, size, wanted, dt, turns, clips, leg_speed };
             if pacing.is_some_and(|pacing| pacing.returns) {
                 ik.reset();
             }
@@ -174,8 +175,7 @@ fn plant(
                 let animated = ik.animated(&body, &pose);
                 return ik.fly_free(&body, &mut pose, &animated);
             }
-            let config = asset.file.foot_ik.for_leg(asset.leg_length);
-            let probe = grounds.near(filter, body.reach(&config), STRIDE * asset.leg_length);
+            let probe = grounds.near(filter, body.reach(), STRIDE * asset.leg_length);
             ik.place(&body, &mut pose, &probe, &frames);
         },
     );
@@ -187,7 +187,7 @@ impl FootIk {
             // The controller mends it in its next tick.
             return;
         }
-        let config = &body.asset.file.foot_ik;
+        let config = body.config;
         // A step down a ledge is no flight yet, a jump is.
         let rises = body.motion.velocity.y > RISING;
         let grounded = body.motion.ground.is_some() || (body.motion.air_time < STILL_GROUNDED && !rises);
@@ -210,15 +210,14 @@ impl FootIk {
         if self.weight < OFF {
             return self.fly_free(body, pose, &animated);
         }
-        let config = &config.for_leg(body.asset.leg_length);
         let placed = [0, 1].map(|side| {
             let around = Surroundings {
                 probe,
                 frames,
-                reach: body.reach(config),
+                reach: body.reach(),
                 sole: self.soles[side],
                 config,
-                size: body.asset.leg_length / TUNED_LEG,
+                size: body.size,
                 dt: body.dt,
                 other: self.feet[1 - side].plant().map(|plant| plant.pivot),
                 halts: body.halts(),
@@ -228,11 +227,11 @@ impl FootIk {
         });
         self.placed = placed.map(Some);
         let ankles = [0, 1].map(|side| animated[side].clip_ankle.lerp(placed[side].ankle, self.weight));
-        self.sink_pelvis(body, pose, &animated, &placed, ankles, config);
+        self.sink_pelvis(body, pose, &animated, &placed, ankles);
         let hurry = self.pelvis.bending(body.asset.leg_length);
         for side in 0..2 {
             let placed = &PlacedFoot { ankle: ankles[side], ..placed[side] };
-            let aim = LegAim { placed, weight: self.weight, hurry, config, probe };
+            let aim = LegAim { placed, weight: self.weight, hurry, probe };
             self.legs[side] = body.solve_leg(pose, side, &mut self.feet[side], &aim);
         }
     }
@@ -249,7 +248,6 @@ impl FootIk {
         animated: &[AnimatedFoot; 2],
         placed: &[PlacedFoot; 2],
         ankles: [Vec3; 2],
-        config: &FootIkConfig,
     ) {
         let world_from_model = body.root.to_isometry();
         let (motion, root) = (body.motion, body.root.translation);
@@ -278,7 +276,7 @@ impl FootIk {
             hips: body.hips(pose),
             weight: self.weight,
             heave: body.locomotion.heave(body.asset),
-            config,
+            config: body.config,
             dt: body.dt,
         };
         let offset = self.pelvis.advance(&legs, ride, &frame);

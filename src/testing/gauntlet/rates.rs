@@ -5,7 +5,10 @@
 
 use bevy::prelude::*;
 
-use super::{Course, Runner, run::each};
+use super::{
+    Course, Runner,
+    run::{SETTLING, each},
+};
 use crate::{
     measure::{
         bars::Row,
@@ -24,8 +27,6 @@ const SHARE: f32 = 0.2;
 const NOISE: f32 = 0.1;
 /// Seconds of the controller's ticks.
 const TICK: f32 = 1.0 / 64.0;
-/// Seconds of standing before the tape.
-const SETTLING: f32 = 0.5;
 
 /// A course at two frame rates.
 #[derive(Clone, Debug)]
