@@ -14,11 +14,8 @@ use bevy::{
     prelude::*,
 };
 use surefoot::{
-    character::{
-        locomotion::Locomotion,
-        schedule::{MotionSystems, PoseSystems},
-    },
-    testing::laps::lap_stages,
+    character::{locomotion::Locomotion, schedule::MotionSystems},
+    testing::laps::{STAGES, lap_stages},
 };
 
 use mannequins::Mannequins;
@@ -35,7 +32,7 @@ struct Watch {
 const BEFORE: [&str; 5] = ["First", "Move", "Between", "Physics", "Interpolate"];
 
 /// Parts of a frame: those before, the stages of its poses, and what comes last.
-const PARTS: usize = BEFORE.len() + PoseSystems::ALL.len() + 1;
+const PARTS: usize = BEFORE.len() + STAGES.len() + 1;
 
 fn main() {
     println!("{:>10} {:>10} {:>10} {:>13}", "characters", "frame ms", "poses ms", "µs/character");
@@ -45,7 +42,7 @@ fn main() {
         let poses: Duration = parts[BEFORE.len()..PARTS - 1].iter().sum();
         let each = poses.as_secs_f64() * 1e6 / count as f64;
         println!("{count:>10} {:>10.3} {:>10.3} {each:>13.2}", millis(frame), millis(poses));
-        let stages = PoseSystems::ALL.map(|stage| format!("{stage:?}"));
+        let stages = STAGES.map(|stage| format!("{stage:?}"));
         let names = BEFORE.iter().copied().chain(stages.iter().map(String::as_str)).chain(["Last"]);
         for (name, part) in names.zip(parts) {
             println!("{:>10} {:>10.3} {name}", "", millis(part));

@@ -6,7 +6,7 @@ use crate::{
     character::{
         aim::AimPlugin, animator::AnimatorPlugin, attach::AttachPlugin, bind::BindPlugin, chains::ChainsPlugin,
         detail::DetailPlugin, ease::EasePlugin, foot_ik::FootIkPlugin, locomotion::LocomotionPlugin, look::LookPlugin,
-        motion::MotionPlugin, schedule::SchedulePlugin,
+        motion::MotionPlugin, schedule::SchedulePlugin, show::ShowPlugin,
     },
     rig::loader::RigPlugin,
 };
@@ -32,6 +32,7 @@ impl PluginGroup for SurefootPlugins {
             .add(AimPlugin)
             .add(ChainsPlugin)
             .add(EasePlugin)
+            .add(ShowPlugin)
             .add(AttachPlugin);
         #[cfg(feature = "render")]
         let group = group.add(crate::skinning::SkinningPlugin::default());

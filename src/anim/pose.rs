@@ -75,6 +75,11 @@ impl Pose {
         &self.model
     }
 
+    /// All joints in model space, to be written.
+    pub fn models_mut(&mut self) -> &mut [Affine3A] {
+        &mut self.model
+    }
+
     /// Model matrices from local transforms, all of them.
     pub fn update_model(&mut self, skeleton: &Skeleton) {
         self.update_models(skeleton, 0..skeleton.len());

@@ -61,6 +61,8 @@ fn bind(
                 locomotion.take_over(before, asset);
                 aiming.take_over(aimed);
             }
+            // What is seen until the first tick.
+            pose.begin(asset, &locomotion);
             let ground = GroundFilter(SpatialQueryFilter::from_excluded_entities([entity]));
             commands
                 .entity(entity)

@@ -6,7 +6,10 @@
 
 use bevy::prelude::*;
 
-use super::{locomotion::Locomotion, schedule::PoseSystems};
+use super::{
+    locomotion::Locomotion,
+    schedule::{PoseClock, PoseSystems},
+};
 
 /// How thoroughly a character is posed. May change at any time: the pose goes on without a jump.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -102,17 +105,17 @@ pub struct DetailPlugin;
 
 impl Plugin for DetailPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<Detail>().add_systems(PostUpdate, pace.in_set(PoseSystems::Pace));
+        app.register_type::<Detail>().add_systems(FixedPostUpdate, pace.in_set(PoseSystems::Pace));
     }
 }
 
-fn pace(time: Res<Time>, mut characters: Query<(Entity, &Detail, &mut Pacing, Option<&Locomotion>)>) {
+fn pace(clock: Res<PoseClock>, mut characters: Query<(Entity, &Detail, &mut Pacing, Option<&Locomotion>)>) {
     for (entity, detail, mut pacing, locomotion) in &mut characters {
         // An inertialized change of state begins with the pose that it leaves.
         let at_once = locomotion.is_some_and(|locomotion| locomotion.taken.is_some());
         // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.
         let stagger = (entity.index_u32() as f32 * 0.618_034).fract();
-        pacing.advance(detail, at_once, stagger, time.delta_secs());
+        pacing.advance(detail, at_once, stagger, clock.delta_secs());
     }
 }
 

@@ -10,7 +10,7 @@ use super::{
     animator::CharacterPose,
     bind::CharacterAssets,
     detail::{Detail, Mode, Pacing},
-    schedule::PoseSystems,
+    schedule::{PoseClock, PoseSystems},
 };
 use crate::{
     anim::{blend::lerp, skeleton::JointTransform},
@@ -148,16 +148,16 @@ pub struct EasePlugin;
 
 impl Plugin for EasePlugin {
     fn build(&self, app: &mut App) {
-        app.register_required_components::<Detail, Ease>().add_systems(PostUpdate, ease.in_set(PoseSystems::Ease));
+        app.register_required_components::<Detail, Ease>().add_systems(FixedPostUpdate, ease.in_set(PoseSystems::Ease));
     }
 }
 
-fn ease(
-    time: Res<Time>,
+pub(super) fn ease(
+    clock: Res<PoseClock>,
     assets: CharacterAssets,
     mut characters: Query<(&Character, &Pacing, &mut Ease, &mut CharacterPose)>,
 ) {
-    let dt = time.delta_secs();
+    let dt = clock.delta_secs();
     characters.par_iter_mut().for_each(|(character, pacing, mut ease, mut pose)| {
         let Some(asset) = assets.get(character).filter(|_| !ease.is_idle(pacing)) else { return };
         let hidden = pacing.mode == Mode::Hidden;

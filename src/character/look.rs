@@ -13,7 +13,7 @@ use super::{
     intent::MoveIntent,
     locomotion::Locomotion,
     motion::MotionState,
-    schedule::PoseSystems,
+    schedule::{PoseClock, PoseSystems},
 };
 use crate::{
     anim::pose::Pose,
@@ -48,7 +48,7 @@ pub struct LookPlugin;
 
 impl Plugin for LookPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PostUpdate, look.in_set(PoseSystems::Look));
+        app.add_systems(FixedPostUpdate, look.in_set(PoseSystems::Look));
     }
 }
 
@@ -93,7 +93,7 @@ fn apply(turn: Vec3, pose: &mut Pose, asset: &CharacterAsset, config: &LookConfi
 }
 
 fn look(
-    time: Res<Time>,
+    clock: Res<PoseClock>,
     assets: CharacterAssets,
     mut characters: Query<(
         &Character,
@@ -108,7 +108,7 @@ fn look(
         &mut CharacterPose,
     )>,
 ) {
-    let dt = time.delta_secs();
+    let dt = clock.delta_secs();
     characters.par_iter_mut().for_each(|character| {
         let (character, root, intent, motion, locomotion, balance, target, (detail, pacing), mut look, mut pose) =
             character;

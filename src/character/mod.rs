@@ -14,6 +14,7 @@ pub mod locomotion;
 pub mod look;
 pub mod motion;
 pub mod schedule;
+pub mod show;
 pub mod sole;
 
 use bevy::prelude::*;

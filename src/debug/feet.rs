@@ -75,7 +75,7 @@ impl Plugin for FootDebugPlugin {
         };
         app.insert_gizmo_config(FootGizmos, GizmoConfig { enabled: false, ..config(LINES) })
             .insert_gizmo_config(FootWords, config(STROKES))
-            .add_systems(PostUpdate, draw.after(PoseSystems::Plant).run_if(enabled));
+            .add_systems(PostUpdate, draw.after(PoseSystems::Show).run_if(enabled));
     }
 }
 

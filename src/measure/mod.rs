@@ -7,6 +7,7 @@ pub mod bars;
 pub mod frame;
 mod pelvis;
 pub mod record;
+pub mod seen;
 mod start;
 pub mod summary;
 pub mod table;

@@ -3,12 +3,13 @@
 use avian3d::prelude::*;
 use bevy::prelude::*;
 
-use super::frame::{FootFrame, Frame};
+use super::{
+    frame::{FootFrame, Frame},
+    seen::{Hold, Playing, Seen, Ticked, extension, hold, knee, missed, playing},
+};
 use crate::{
     anim::{
-        blend::lerp_into,
-        ik::two_bone::bend_angle,
-        leg::Leg,
+        blend::{between_models, lerp_into},
         peak::{JointMotion, Peak},
         pose::Pose,
     },
@@ -16,18 +17,19 @@ use crate::{
         Character,
         animator::{Actions, CharacterPose},
         bind::CharacterAssets,
-        foot_ik::{FootIk, Frames, GroundFilter, GroundFrames, NoGround, PhysicsProbe, Pivot, Probe},
+        foot_ik::{FootIk, Frames, GroundFilter, GroundFrames, GroundHit, NoGround, PhysicsProbe, Probe},
         intent::MoveIntent,
         locomotion::Locomotion,
         motion::MotionState,
         schedule::PoseSystems,
+        show::ShowLocals,
         sole::sole_model,
     },
-    rig::character::CharacterAsset,
 };
 
 /// Records the frames of the character that it is put on.
 #[derive(Component, Clone, Debug, Default)]
+#[require(ShowLocals)]
 pub struct Recorder {
     /// What was recorded, in order of time.
     pub frames: Vec<Frame>,
@@ -45,6 +47,8 @@ pub struct Recorder {
     grounds: Vec<(Entity, Isometry3d)>,
     /// Of each foot on no ground of its own: how far it slid, and its ball in the last frame.
     slides: [Option<(Vec3, Vec3)>; 2],
+    /// What the last two ticks did, the earlier one first.
+    ticks: [Ticked; 2],
 }
 
 /// Fills [`Recorder`]s.
@@ -52,52 +56,9 @@ pub struct MeasurePlugin;
 
 impl Plugin for MeasurePlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PostUpdate, record.in_set(PoseSystems::Attach));
+        app.add_systems(FixedPostUpdate, note.in_set(PoseSystems::Aim))
+            .add_systems(PostUpdate, record.in_set(PoseSystems::Attach));
     }
-}
-
-/// What holds a foot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Hold {
-    /// Nothing: it swings.
-    #[default]
-    Free,
-    /// It stands, but its ball doesn't yet, or no longer.
-    Stance,
-    /// Its ball stands on this ground; `None` on whatever lies below it.
-    Ball(Option<Entity>),
-}
-
-/// What a viewer sees of a character in one frame.
-#[derive(Clone, Copy)]
-pub struct Seen<'a> {
-    /// Whose legs these are.
-    pub asset: &'a CharacterAsset,
-    /// The final pose.
-    pub pose: &'a Pose,
-    /// The root, world.
-    pub root: &'a Transform,
-    /// Whether it stands on ground.
-    pub grounded: bool,
-    /// Velocity wanted, world, m/s.
-    pub wanted: Vec3,
-    /// Velocity over the ground, m/s.
-    pub velocity: Vec3,
-    /// What holds each foot.
-    pub holds: [Hold; 2],
-    /// Metres by which each ankle missed its target, if it has one.
-    pub missed: [Option<f32>; 2],
-    /// What plays.
-    pub playing: &'a [Playing],
-}
-
-/// A clip that plays.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Playing {
-    /// Index in [`CharacterAsset::clips`].
-    pub clip: usize,
-    /// Factor on its own speed.
-    pub rate: f32,
 }
 
 /// A frame as it was shown: pose, root, and the grounds that feet are over.
@@ -105,13 +66,14 @@ pub struct Playing {
 struct Shown {
     pose: Pose,
     root: Transform,
+    holds: [Hold; 2],
     grounds: Vec<(Entity, Isometry3d)>,
 }
 
 impl Shown {
     fn of(seen: &Seen<'_>, under: &[(Entity, Isometry3d)], now: &impl GroundFrames) -> Self {
         let grounds = under.iter().filter_map(|(entity, _)| Some((*entity, now.frame(*entity)?))).collect();
-        Self { pose: seen.pose.clone(), root: *seen.root, grounds }
+        Self { pose: seen.pose.clone(), root: *seen.root, holds: seen.holds, grounds }
     }
 }
 
@@ -139,7 +101,8 @@ const EARLY: f32 = 1e-4;
 impl Recorder {
     /// Forgets what was recorded.
     pub fn restart(&mut self) {
-        *self = Self { every: self.every, grounds: core::mem::take(&mut self.grounds), ..Self::default() };
+        let grounds = core::mem::take(&mut self.grounds);
+        *self = Self { every: self.every, ticks: self.ticks, grounds, ..Self::default() };
     }
 
     /// Records one frame of `dt` seconds, or what lies in it of those that are recorded [`every`](Self::every) so many seconds.
@@ -154,14 +117,21 @@ impl Recorder {
             let share = (1.0 - self.since / dt).clamp(0.0, 1.0);
             let mut pose = last.pose.clone();
             lerp_into(pose.locals_mut(), seen.pose.locals(), share);
-            pose.update_model(&seen.asset.skeleton);
+            for (from, to) in pose.models_mut().iter_mut().zip(seen.pose.models()) {
+                *from = between_models(from, to, share);
+            }
             let root = Transform {
                 translation: last.root.translation.lerp(seen.root.translation, share),
                 rotation: last.root.rotation.slerp(seen.root.rotation, share),
                 scale: seen.root.scale,
             };
             let between = Between { last: &last.grounds, now: grounds, share };
-            self.take(&Seen { pose: &pose, root: &root, ..*seen }, probe, &between, self.every);
+            // A moment between two frames may be that of an earlier tick.
+            let holds = match share < 1.0 - EARLY {
+                true => [0, 1].map(|side| last.holds[side].and(seen.holds[side])),
+                false => seen.holds,
+            };
+            self.take(&Seen { pose: &pose, root: &root, holds, ..*seen }, probe, &between, self.every);
         }
         self.shown = Some(Shown::of(seen, &self.grounds, grounds));
     }
@@ -198,17 +168,14 @@ impl Recorder {
             };
             self.slides[side] =
                 planted_ball.filter(|_| seen.holds[side] == Hold::Ball(None)).map(|slid| (slid, sole[1]));
-            let extension = extension(seen.pose, leg);
-            let hardest = seen.asset.file.foot_ik.extension.1;
             FootFrame {
                 sole,
                 ground: hits.map(|hit| hit.map(|hit| hit.point.y)),
                 carried,
                 planted_ball,
                 stance: seen.holds[side] != Hold::Free,
-                // A leg stretches straight toward what it misses: both together are how far the target was.
-                missed: seen.missed[side].filter(|missed| extension + missed / leg.length() <= hardest),
-                extension,
+                missed: seen.missed[side],
+                extension: extension(seen.pose, leg),
                 knee: knee(seen.pose, leg),
             }
         });
@@ -263,12 +230,53 @@ impl ClipPeaks {
     }
 }
 
+/// Colliders as the frame shows them: those that move are where the last tick left them.
+struct ShownGround<'a, 'w, 's, P, G> {
+    colliders: P,
+    places: &'a Query<'w, 's, (&'static Position, &'static Rotation)>,
+    shown: &'a G,
+}
+
+impl<P: Probe, G: GroundFrames> Probe for ShownGround<'_, '_, '_, P, G> {
+    fn down(&self, start: Vec3, length: f32) -> Option<GroundHit> {
+        let hit = self.colliders.down(start, length)?;
+        let (Ok((position, rotation)), Some(shown)) = (self.places.get(hit.entity), self.shown.frame(hit.entity))
+        else {
+            return Some(hit);
+        };
+        let carried = shown * Isometry3d::new(position.0, rotation.0).inverse();
+        Some(GroundHit { point: carried * hit.point, ..hit })
+    }
+}
+
+/// Notes what a tick did with the feet.
+fn note(
+    assets: CharacterAssets,
+    mut characters: Query<(&Character, &MotionState, &Locomotion, &CharacterPose, &FootIk, &mut Recorder)>,
+) {
+    for (character, motion, locomotion, pose, ik, mut recorder) in &mut characters {
+        let Some(asset) = assets.get(character) else { continue };
+        let grounded = motion.ground.is_some();
+        recorder.ticks.swap(0, 1);
+        recorder.ticks[1] = Ticked {
+            grounded,
+            // Nothing holds a foot in the air, whatever the clip thinks.
+            holds: [0, 1].map(|side| match grounded {
+                true => hold(ik, locomotion, &pose.pose, &asset.legs[side], side),
+                false => Hold::Free,
+            }),
+            missed: [0, 1].map(|side| ik.placed[side].and_then(|_| missed(asset, &pose.pose, side, ik))),
+        };
+    }
+}
+
 fn record(
     time: Res<Time>,
     assets: CharacterAssets,
     spatial: SpatialQuery,
     no_ground: Query<(), NoGround>,
     grounds: Frames,
+    places: Query<(&'static Position, &'static Rotation)>,
     mut characters: Query<(
         &Character,
         &Transform,
@@ -277,7 +285,6 @@ fn record(
         &Locomotion,
         &Actions,
         &CharacterPose,
-        &FootIk,
         &GroundFilter,
         &mut Recorder,
     )>,
@@ -286,75 +293,21 @@ fn record(
     if dt <= 0.0 {
         return;
     }
-    for (character, root, intent, motion, locomotion, actions, pose, ik, filter, mut recorder) in &mut characters {
+    for (character, root, intent, motion, locomotion, actions, pose, filter, mut recorder) in &mut characters {
         let Some(asset) = assets.get(character) else { continue };
+        let ticked = Ticked::between(&recorder.ticks);
         let seen = Seen {
             asset,
             pose: &pose.pose,
             root,
-            grounded: motion.ground.is_some(),
+            grounded: ticked.grounded,
             wanted: intent.velocity,
             velocity: motion.ground_velocity,
-            holds: [0, 1].map(|side| {
-                let leg = &asset.legs[side];
-                // Nothing holds a foot in the air, whatever the clip thinks.
-                if motion.ground.is_some() { hold(ik, locomotion, &pose.pose, leg, side) } else { Hold::Free }
-            }),
-            missed: [0, 1].map(|side| ik.placed[side].map(|_| ik.legs[side].missed)),
+            holds: ticked.holds,
+            missed: ticked.missed,
             playing: &playing(asset, locomotion, actions),
         };
-        recorder.record(&seen, &PhysicsProbe::new(&spatial, &no_ground, filter), &grounds, dt);
+        let colliders = PhysicsProbe::new(&spatial, &no_ground, filter);
+        recorder.record(&seen, &ShownGround { colliders, places: &places, shown: &grounds }, &grounds, dt);
     }
-}
-
-/// By the plants of foot IK; without foot IK by what the clips say.
-fn hold(ik: &FootIk, locomotion: &Locomotion, pose: &Pose, leg: &Leg, side: usize) -> Hold {
-    if ik.weight < 0.01 {
-        return hold_of_clip(pose, leg, locomotion.cues[side].contact);
-    }
-    match ik.feet[side].plant() {
-        None => Hold::Free,
-        Some(plant) if plant.pivot == Pivot::Ball => Hold::Ball(Some(plant.ground)),
-        Some(_) => Hold::Stance,
-    }
-}
-
-/// What a clip alone says of a foot whose contact weighs `contact`.
-#[must_use]
-pub fn hold_of_clip(pose: &Pose, leg: &Leg, contact: f32) -> Hold {
-    let [heel, ball, _] = sole_model(pose, leg);
-    match contact >= 0.5 {
-        true if ball.y <= heel.y + 0.005 => Hold::Ball(None),
-        true => Hold::Stance,
-        false => Hold::Free,
-    }
-}
-
-fn playing(asset: &CharacterAsset, locomotion: &Locomotion, actions: &Actions) -> Vec<Playing> {
-    let machine = &locomotion.machine;
-    let laid_over = actions
-        .clips(asset)
-        .filter_map(|clip| Some(Playing { clip: asset.clip_index(&clip.name)?, rate: clip.clip.speed }));
-    locomotion
-        .playing(asset)
-        .filter_map(|playing| {
-            let gait = machine.is_gait(playing.state);
-            let rate = if gait { machine.phase_rate() * playing.clip.clip.duration } else { 1.0 };
-            Some(Playing { clip: asset.clip_index(&playing.clip.name)?, rate })
-        })
-        .chain(laid_over)
-        .collect()
-}
-
-fn extension(pose: &Pose, leg: &Leg) -> f32 {
-    pose.position(leg.upper).distance(pose.position(leg.foot)) / leg.length()
-}
-
-/// Bend of the knee in radians; negative where the shin stands in front of the thigh's line.
-fn knee(pose: &Pose, leg: &Leg) -> f32 {
-    let (hip, knee, ankle) = (pose.position(leg.upper), pose.position(leg.lower), pose.position(leg.foot));
-    let angle = bend_angle(hip, knee, ankle);
-    let hinge = pose.rotation(leg.upper) * leg.knee_axis;
-    let turn = (knee - hip).cross(ankle - knee).dot(hinge);
-    if turn < 0.0 { -angle } else { angle }
 }

@@ -8,7 +8,7 @@ use bevy::{
     prelude::*,
 };
 
-use crate::character::{detail::Detail, schedule::PoseSystems};
+use crate::character::detail::Detail;
 
 /// Goes on a character whose [`Detail`] shall follow its size on the screen.
 #[derive(Component, Reflect, Clone, Copy, Debug)]
@@ -86,7 +86,7 @@ pub(super) fn plugin(app: &mut App) {
     app.init_resource::<DetailLevels>()
         .register_type::<ScreenDetail>()
         .register_type::<DetailLevels>()
-        .add_systems(PostUpdate, choose.before(PoseSystems::Pace));
+        .add_systems(PostUpdate, choose);
 }
 
 fn choose(

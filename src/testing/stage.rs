@@ -51,7 +51,9 @@ struct Playing {
 
 fn hear(time: Res<Time<Fixed>>, playing: Option<Res<Playing>>, mut intents: Query<&mut MoveIntent>) {
     let Some(playing) = playing else { return };
-    let wanted = playing.tape.intent_at(time.elapsed().saturating_sub(playing.began).as_secs_f32());
+    // In the middle of the tick: where its ends fall, a rounding would decide which tick is the first to hear of a change.
+    let now = time.elapsed().saturating_sub(playing.began).as_secs_f32() - 0.5 * time.timestep().as_secs_f32();
+    let wanted = playing.tape.intent_at(now.max(0.0));
     for character in &playing.characters {
         if let Ok(mut intent) = intents.get_mut(*character) {
             *intent = wanted.clone();

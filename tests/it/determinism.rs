@@ -1,19 +1,28 @@
-//! The same tape gives the same motion: bit for bit on one machine whatever its threads, and nearly so at every frame rate.
+//! The same tape gives the same motion, bit for bit on one machine: whatever its threads, and in every tick at every frame rate.
 
 use core::hash::Hasher;
-use std::{env, hash::DefaultHasher, process::Command, sync::OnceLock};
+use std::{
+    env,
+    hash::DefaultHasher,
+    process::Command,
+    sync::{
+        OnceLock,
+        atomic::{AtomicUsize, Ordering},
+    },
+    thread,
+};
 
 use bevy::{
     prelude::*,
     tasks::{ComputeTaskPool, TaskPoolBuilder},
 };
 use surefoot::{
-    character::animator::CharacterPose,
+    character::{animator::CharacterPose, schedule::PoseSystems},
     measure::bars::Row,
     rig::character::CharacterAsset,
     testing::{
         Stage, Tape, World,
-        gauntlet::{Runner, courses, rates::compare_all},
+        gauntlet::{Course, Runner, courses, rates::compare_all},
     },
 };
 
@@ -82,6 +91,58 @@ fn the_same_tape_gives_the_same_poses_on_any_number_of_threads() {
     for threads in [2, 7] {
         assert_eq!(hash(threads), one, "{threads} threads give other poses than one");
     }
+}
+
+/// Hash of all that the ticks so far made of everyone: roots and poses.
+#[derive(Resource, Default)]
+struct Ticks(DefaultHasher, usize);
+
+fn hash_tick(characters: Query<(&Transform, &CharacterPose)>, mut ticks: ResMut<Ticks>) {
+    ticks.1 += 1;
+    for (root, pose) in &characters {
+        let places = pose.pose.models().iter().flat_map(bevy::math::Affine3A::to_cols_array);
+        places.chain(root.translation.to_array()).for_each(|number| ticks.0.write_u32(number.to_bits()));
+    }
+}
+
+/// Ticks of a course at `hertz` frames a second, and their hash.
+fn ticks_of(course: &Course, runner: &Runner, hertz: f32) -> (usize, u64) {
+    let mut stage = Stage::with(&course.world, &runner.assets, |app| {
+        app.add_systems(FixedPostUpdate, hash_tick.after(PoseSystems::Ease).run_if(resource_exists::<Ticks>));
+    });
+    let walkers = stage.spawn_loaded(runner.character.clone(), &course.starts);
+    stage.set_frame_rate(hertz);
+    // Ends within a tick, so that all frame rates have had as many of them.
+    stage.run_for(2.0 / 3.0).app().init_resource::<Ticks>();
+    stage.play_all(&walkers, &course.tape);
+    let Ticks(hash, count) = stage.app().world_mut().remove_resource().unwrap();
+    (count, hash.finish())
+}
+
+#[test]
+fn frames_change_nothing_every_tick_is_the_same_at_30_60_and_144_hertz() {
+    let runner = Runner::mannequin().unwrap();
+    let courses = courses();
+    let next = AtomicUsize::new(0);
+    let check = || {
+        let mut wrong = Vec::new();
+        while let Some(course) = courses.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let usual = ticks_of(course, &runner, 60.0);
+            for hertz in [30.0, 144.0] {
+                let other = ticks_of(course, &runner, hertz);
+                if other != usual {
+                    let case = format!("{} / {}", course.world.name, course.tape.name);
+                    wrong.push(format!("{case}: {usual:x?} at 60 Hz, {other:x?} at {hertz}"));
+                }
+            }
+        }
+        wrong
+    };
+    let wrong: Vec<String> = thread::scope(|scope| {
+        let halves = [scope.spawn(check), scope.spawn(check)];
+        halves.into_iter().flat_map(|half| half.join().unwrap()).collect()
+    });
+    assert!(wrong.is_empty(), "ticks and their hash differ on {}", wrong.join("; "));
 }
 
 /// Metres by which the end of a tape may differ.

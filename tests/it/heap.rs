@@ -24,9 +24,12 @@ use surefoot::{
         skeleton::{JointIndex, JointTransform, Skeleton},
         skin::{JointMatrix, Skin},
     },
-    character::{animator::Actions, intent::MoveIntent, schedule::PoseSystems},
+    character::{animator::Actions, intent::MoveIntent},
     measure::record::Recorder,
-    testing::{Stage, World as Ground, laps::lap_stages},
+    testing::{
+        Stage, World as Ground,
+        laps::{STAGES, lap_stages},
+    },
 };
 
 thread_local! {
@@ -98,7 +101,7 @@ fn a_crowd_is_posed_without_the_heap() {
 #[derive(Resource, Default)]
 struct Taken {
     before: usize,
-    stages: [usize; PoseSystems::ALL.len()],
+    stages: [usize; STAGES.len()],
 }
 
 /// Counts the stages of a frame's poses, all of them on this thread.
@@ -112,9 +115,9 @@ fn watch(app: &mut App) {
             taken.stages[stage] += now - before;
         }
     });
-    app.edit_schedule(PostUpdate, |schedule| {
+    for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
         schedule.set_executor(SingleThreadedExecutor::new());
-    });
+    }
 }
 
 /// What stands before the allocations in the output of the process below.
@@ -157,7 +160,7 @@ fn walkers_are_posed_without_the_heap() {
     let counts = text.lines().find_map(|line| line.strip_prefix(MARK)).unwrap_or_else(|| {
         panic!("no count: {text}{}", String::from_utf8_lossy(&output.stderr));
     });
-    let taken: Vec<_> = PoseSystems::ALL.iter().zip(counts.split(' ')).filter(|(_, count)| *count != "0").collect();
+    let taken: Vec<_> = STAGES.iter().zip(counts.split(' ')).filter(|(_, count)| *count != "0").collect();
     assert!(taken.is_empty(), "allocations in two seconds of 16 walkers: {taken:?}");
 }
 

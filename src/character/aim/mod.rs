@@ -11,8 +11,12 @@ use bevy::prelude::*;
 
 use self::arm::Arm;
 use super::{
-    Character, animator::CharacterPose, bind::CharacterAssets, detail::Pacing, intent::MoveIntent,
-    schedule::PoseSystems,
+    Character,
+    animator::CharacterPose,
+    bind::CharacterAssets,
+    detail::Pacing,
+    intent::MoveIntent,
+    schedule::{PoseClock, PoseSystems},
 };
 use crate::{
     anim::{
@@ -138,16 +142,16 @@ pub struct AimPlugin;
 
 impl Plugin for AimPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PostUpdate, aim.in_set(PoseSystems::Aim));
+        app.add_systems(FixedPostUpdate, aim.in_set(PoseSystems::Aim));
     }
 }
 
 fn aim(
-    time: Res<Time>,
+    clock: Res<PoseClock>,
     assets: CharacterAssets,
     mut characters: Query<(&Character, &Transform, &MoveIntent, Option<&Pacing>, &mut Aiming, &mut CharacterPose)>,
 ) {
-    let dt = time.delta_secs();
+    let dt = clock.delta_secs();
     characters.par_iter_mut().for_each(|(character, root, intent, pacing, mut aiming, mut pose)| {
         let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };
         let config = &asset.file.aim;

@@ -8,7 +8,7 @@ use bevy::{prelude::*, utils::Parallel};
 use super::CharacterPose;
 use crate::{
     anim::skeleton::JointTransform,
-    character::{Character, bind::CharacterAssets, detail::Pacing},
+    character::{Character, bind::CharacterAssets, detail::Pacing, schedule::PoseClock},
     math::fade::Fade,
     rig::{
         actions::CharacterAction,
@@ -221,12 +221,12 @@ impl Playing {
 }
 
 pub(super) fn act(
-    time: Res<Time>,
+    clock: Res<PoseClock>,
     assets: CharacterAssets,
     sampled: Local<Parallel<Vec<JointTransform>>>,
     mut characters: Query<(&Character, Option<&Pacing>, &mut Actions, &mut CharacterPose)>,
 ) {
-    let dt = time.delta_secs();
+    let dt = clock.delta_secs();
     characters.par_iter_mut().for_each_init(
         || sampled.borrow_local_mut(),
         |sampled, (character, pacing, mut actions, mut pose)| {

@@ -9,7 +9,7 @@ use crate::{
     anim::pose::Pose,
     character::{
         Character, animator::CharacterPose, bind::CharacterAssets, detail::Pacing, legs::keeping_feet,
-        locomotion::Locomotion, motion::MotionState,
+        locomotion::Locomotion, motion::MotionState, schedule::PoseClock,
     },
     math::{
         rotation::{direction_or, from_scaled_axis},
@@ -119,7 +119,7 @@ fn apply(balance: &Balance, pose: &mut Pose, asset: &CharacterAsset, config: &Ba
 }
 
 pub(super) fn keep_balance(
-    time: Res<Time>,
+    clock: Res<PoseClock>,
     assets: CharacterAssets,
     mut characters: Query<(
         &Character,
@@ -131,7 +131,7 @@ pub(super) fn keep_balance(
         &mut CharacterPose,
     )>,
 ) {
-    let dt = time.delta_secs();
+    let dt = clock.delta_secs();
     characters.par_iter_mut().for_each(|(character, root, motion, locomotion, pacing, mut balance, mut pose)| {
         let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };
         let config = &asset.file.balance;

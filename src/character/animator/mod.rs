@@ -16,7 +16,12 @@ pub use blink::Blink;
 pub use morphs::{MorphScratch, MorphSources, morph_weights};
 
 use super::{
-    Character, bind::CharacterAssets, detail::Pacing, legs::keep_bent, locomotion::Locomotion, schedule::PoseSystems,
+    Character,
+    bind::CharacterAssets,
+    detail::Pacing,
+    legs::keep_bent,
+    locomotion::Locomotion,
+    schedule::{PoseClock, PoseSystems},
 };
 use feet::BlendedFeet;
 
@@ -48,6 +53,12 @@ impl CharacterPose {
             inertializer: Inertializer::new(skeleton.len()),
             feet: BlendedFeet::default(),
         }
+    }
+
+    /// The pose of what plays, without a past.
+    pub(super) fn begin(&mut self, asset: &CharacterAsset, locomotion: &Locomotion) {
+        self.animate(asset, locomotion, &mut Vec::new(), 0.0);
+        self.pose.update_model(&asset.skeleton);
     }
 
     /// Blends all clips that play into the local pose, and finds where the feet are in them; false where no foot is to be put
@@ -98,13 +109,13 @@ pub struct AnimatorPlugin;
 impl Plugin for AnimatorPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(
-            PostUpdate,
+            FixedPostUpdate,
             (
                 (animate, actions::act, balance::keep_balance).chain().in_set(PoseSystems::Sample),
-                blink::blink.in_set(PoseSystems::Sample),
                 complete.in_set(PoseSystems::Model),
             ),
-        );
+        )
+        .add_systems(PostUpdate, blink::blink.in_set(PoseSystems::Show));
     }
 }
 
@@ -118,12 +129,12 @@ fn complete(assets: CharacterAssets, mut characters: Query<(&Character, Option<&
 }
 
 fn animate(
-    time: Res<Time>,
+    clock: Res<PoseClock>,
     assets: CharacterAssets,
     sampled: Local<Parallel<Vec<JointTransform>>>,
     mut characters: Query<(&Character, &Locomotion, Option<&Pacing>, &mut CharacterPose)>,
 ) {
-    let dt = time.delta_secs();
+    let dt = clock.delta_secs();
     characters.par_iter_mut().for_each_init(
         || sampled.borrow_local_mut(),
         |sampled, (character, locomotion, pacing, mut pose)| {

@@ -15,7 +15,14 @@ pub use facing::TipFacing;
 pub use limits::{ChainJointSetup, RestLimit};
 pub use state::{IkResult, IkState};
 
-use super::{Character, animator::CharacterPose, bind::CharacterAssets, detail::Pacing, schedule::PoseSystems};
+use super::{
+    Character,
+    animator::CharacterPose,
+    bind::CharacterAssets,
+    detail::{Mode, Pacing},
+    schedule::PoseSystems,
+    show::ShowLocals,
+};
 use crate::{anim::ik::two_bone::Extension, rig::joint_ref::JointRef};
 
 /// Bends the joints from `root` to `tip` of the character that [`ChainOf`] names, so that the tip comes to a target.
@@ -104,6 +111,7 @@ pub struct ChainOf(pub Entity);
 
 /// The chains of a character, in the order they are solved.
 #[derive(Component, Debug, Default)]
+#[require(ShowLocals)]
 #[relationship_target(relationship = ChainOf, linked_spawn)]
 pub struct Chains(Vec<Entity>);
 
@@ -194,8 +202,10 @@ fn reach(
     mut characters: Query<(Entity, &Character, &Chains, Option<&Pacing>, &mut CharacterPose)>,
     mut chains: Query<(Ref<IkChain>, &mut IkState, &mut IkResult)>,
 ) {
+    let dt = time.delta_secs();
     for (entity, character, of, pacing, mut pose) in &mut characters {
-        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, time.delta_secs())) else { continue };
+        let hidden = pacing.is_some_and(|pacing| pacing.mode == Mode::Hidden);
+        let Some(asset) = assets.get(character).filter(|_| !hidden) else { continue };
         let Ok(root) = transforms.compute_global_transform(entity) else { continue };
         for chain_entity in of.iter() {
             let Ok((chain, mut state, mut result)) = chains.get_mut(chain_entity) else { continue };

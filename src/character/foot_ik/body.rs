@@ -33,6 +33,8 @@ const LATE_CLEARS: f32 = 0.02;
 const LATE_LIFTS: f32 = 0.005;
 /// Metres of such a lift that nobody sees.
 const LEAST_LIFT: f32 = 1e-4;
+/// Metres by which a foot that stands may go on into its ground while its leg slows.
+const DEEP: f32 = 0.004;
 /// Seconds before a landing from which the pelvis prepares for it.
 const FORESIGHT: f32 = 0.4;
 
@@ -199,6 +201,9 @@ impl Body<'_> {
             Limits::of(self.clips, self.dt)
         };
         foot.soften.keep(&mut pose.pose, &self.asset.skeleton, leg, limits, self.dt);
+        if foot.plant().is_some() && foot.soften.eases() && self.keep_out(pose, leg, aim.placed) {
+            foot.soften.correct(&pose.pose, leg, self.dt);
+        }
         foot.note_droop(&pose.pose, leg, aim.placed);
         foot.missed = result.missed;
         foot.behind = pose.pose.position(leg.foot).distance(asked);
@@ -219,8 +224,9 @@ impl Body<'_> {
         let turn_model = model_from_world.rotation * turn * model_from_world.rotation.inverse();
         let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
         let animated = pose.pose.position(leg.upper).distance(pose.pose.position(leg.foot));
-        // A clip's own stretch is not resisted: level ground shows the clip as it is.
-        let soft = config.extension.0.max((animated / leg.length()).min(config.extension.1 - 0.005));
+        // A clip's own stretch is not resisted: level ground shows the clip as it is. Who jumps off stretches all he can.
+        let stretched = if self.motion.ground.is_some() { animated / leg.length() } else { 1.0 };
+        let soft = config.extension.0.max(stretched.min(config.extension.1 - 0.005));
         let ankle = model_from_world * placed.ankle;
         // The heel lifts about the toes' joint: that is where a foot bends.
         let rest = leg.toes.unwrap_or(leg.foot);
@@ -259,6 +265,28 @@ impl Body<'_> {
         result
     }
 
+    /// Lifts a foot that stands out of its ground, where its leg went on into it; gives whether it did.
+    fn keep_out(&self, pose: &mut CharacterPose, leg: &Leg, placed: &PlacedFoot) -> bool {
+        let world_from_model = self.root.to_isometry();
+        let made = sole_model(&pose.pose, leg).map(|point| world_from_model * point);
+        let deep =
+            [0, 1, 2].map(|point| placed.plane.height(made[point]) - made[point].y).into_iter().fold(0.0, f32::max);
+        let lift = deep - DEEP * self.size;
+        if lift > 0.0 {
+            self.lift(pose, leg, lift);
+        }
+        lift > 0.0
+    }
+
+    /// Sets a foot `lift` metres higher, as it is turned.
+    fn lift(&self, pose: &mut CharacterPose, leg: &Leg, lift: f32) {
+        let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
+        let ankle = pose.pose.position(leg.foot) + Vec3::Y * lift;
+        let ankle = not_folded(pose.pose.position(leg.upper), ankle, leg.length());
+        let rotation = pose.pose.rotation(leg.foot);
+        place_leg(&mut pose.pose, &self.asset.skeleton, joints, ankle, rotation, Vec3::NEG_Z, CLIP_EXTENSION);
+    }
+
     /// Lifts the foot of a leg that is late over the ground under it: the knee bends further instead.
     fn lift_late<P: Probe>(
         &self,
@@ -282,11 +310,7 @@ impl Body<'_> {
         let lift = damp(foot.lifted, wanted.max(0.0), LATE_LIFTS, self.dt);
         foot.lifted = if lift < LEAST_LIFT { 0.0 } else { lift };
         if foot.lifted > 0.0 {
-            let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
-            let ankle = pose.pose.position(leg.foot) + Vec3::Y * lift;
-            let ankle = not_folded(pose.pose.position(leg.upper), ankle, leg.length());
-            let rotation = pose.pose.rotation(leg.foot);
-            place_leg(&mut pose.pose, &self.asset.skeleton, joints, ankle, rotation, Vec3::NEG_Z, CLIP_EXTENSION);
+            self.lift(pose, leg, lift);
         }
     }
 }

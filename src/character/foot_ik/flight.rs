@@ -12,7 +12,7 @@ use super::{
     way::Way,
 };
 use crate::math::{
-    rotation::to_scaled_axis,
+    rotation::{heading, to_scaled_axis, wrap_angle},
     spring::{damp, remaining},
 };
 
@@ -42,6 +42,8 @@ const POINTS: (f32, f32) = (0.3, 0.5);
 const FOLLOWS: f32 = 0.02;
 /// Seconds that a metre of height takes in a step of its own.
 const CLIMBS: f32 = 2.0;
+/// Share of a flight over which a foot comes to turn with the body.
+const TURNS: f32 = 0.4;
 /// Metres of a way that is too short to tell by place how much of it is done.
 const SHORT_WAY: f32 = 0.15;
 
@@ -60,6 +62,9 @@ pub(super) struct Flight {
     /// Turns of take-off: about +Y against the clip, and to the ground.
     yaw: f32,
     align: Quat,
+    /// Way that the clip's foot had in the last frame, heading in radians, and how far it has turned since take-off.
+    heading: f32,
+    turned: f32,
     /// Metres by which the clip had the standing foot over its floor.
     hovers: f32,
     /// Share of the clip's swing that had passed at take-off, and of its time in the air that has passed by now.
@@ -83,6 +88,7 @@ impl Flight {
             offset: flat(state.placed_ball - foot.ball),
             yaw: state.yaw_offset,
             align: state.align,
+            heading: heading(foot.forward),
             hovers: state.hovers,
             since: if foot.swing < 1.0 { foot.swing.min(0.9) } else { 0.0 },
             arc: 1.0,
@@ -126,6 +132,13 @@ impl Flight {
         let tilt = TILTED.1 * (to_scaled_axis(self.align).length() / TILTED.0).min(1.0);
         let window = tilt.max(HOLD * (self.since / LATE).max(self.blocked()).min(1.0));
         self.takeoff.lerp(ball, ease((self.share / window.max(1e-3)).min(1.0)))
+    }
+
+    /// Radians by which a foot stays behind one that turns with its body: it leaves the ground first.
+    fn stays_behind(&mut self, forward: Vec3) -> f32 {
+        let now = heading(forward);
+        self.turned += wrap_angle(now - core::mem::replace(&mut self.heading, now));
+        self.turned * (1.0 - ease((self.share / TURNS).min(1.0)))
     }
 
     /// The plane that the foot left.
@@ -207,7 +220,8 @@ impl FootState {
             self.flight.lift = (CLEARS * around.size * self.flight.amid() - self.height(foot)).max(0.0);
         }
         let done = self.flight.done(landing, eased, SHORT_WAY * around.size);
-        self.yaw_offset = self.flight.yaw * (1.0 - eased);
+        let turned = self.flight.stays_behind(foot.forward);
+        self.yaw_offset = self.flight.yaw * (1.0 - eased) - if self.mode == Mode::Swing { 0.0 } else { turned };
         self.align = self.flight.align.slerp(self.landing.align, eased);
         let (later, over) = POINTS;
         let down = self.landing.step_down(self.flight.ground(), around.size);

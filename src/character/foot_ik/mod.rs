@@ -42,7 +42,7 @@ use super::{
     legs::LegResult,
     locomotion::Locomotion,
     motion::MotionState,
-    schedule::PoseSystems,
+    schedule::{PoseClock, PoseSystems},
     sole::sole_model,
 };
 use crate::{
@@ -129,12 +129,12 @@ pub struct FootIkPlugin;
 
 impl Plugin for FootIkPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PostUpdate, plant.in_set(PoseSystems::Plant));
+        app.add_systems(FixedPostUpdate, plant.in_set(PoseSystems::Plant));
     }
 }
 
 fn plant(
-    time: Res<Time>,
+    clock: Res<PoseClock>,
     assets: CharacterAssets,
     grounds: Grounds,
     frames: Frames,
@@ -149,10 +149,7 @@ fn plant(
         &mut FootIk,
     )>,
 ) {
-    let dt = time.delta_secs();
-    if dt <= 0.0 {
-        return;
-    }
+    let dt = clock.delta_secs();
     characters.par_iter_mut().for_each(
         |(character, root, motion, locomotion, filter, (detail, pacing), mut pose, mut ik)| {
             let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };

@@ -47,22 +47,25 @@ impl Probe for PhysicsProbe<'_, '_, '_> {
     }
 }
 
-/// Where ground entities are now. Root entities are read fresh; children by their last propagated place.
+/// Where ground entities are now, in a tick and in a frame: by their own transform and those of all that they hang on.
 #[derive(SystemParam)]
 pub struct Frames<'w, 's> {
-    roots: Query<'w, 's, &'static Transform, (Without<ChildOf>, Without<super::FootIk>)>,
-    children: Query<'w, 's, &'static GlobalTransform, With<ChildOf>>,
-    colliders: Query<'w, 's, (), With<Collider>>,
+    colliders: Query<'w, 's, (&'static Transform, Option<&'static ChildOf>), With<Collider>>,
+    above: Query<'w, 's, (&'static Transform, Option<&'static ChildOf>)>,
 }
 
 impl GroundFrames for Frames<'_, '_> {
     fn frame(&self, entity: Entity) -> Option<Isometry3d> {
-        if !self.colliders.contains(entity) {
-            return None;
+        let (place, mut parent) = self.colliders.get(entity).ok()?;
+        if parent.is_none() {
+            return Some(place.to_isometry());
         }
-        if let Ok(transform) = self.roots.get(entity) {
-            return Some(transform.to_isometry());
+        let mut place = *place;
+        while let Some(above) = parent {
+            let (next, further) = self.above.get(above.parent()).ok()?;
+            place = next.mul_transform(place);
+            parent = further;
         }
-        self.children.get(entity).ok().map(GlobalTransform::to_isometry)
+        Some(place.to_isometry())
     }
 }

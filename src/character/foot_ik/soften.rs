@@ -103,6 +103,23 @@ impl Soften {
         self.note(asked, shown, places(pose, leg), dt);
     }
 
+    /// The leg is shown elsewhere than it was kept: it eases on from there.
+    pub(super) fn correct(&mut self, pose: &Pose, leg: &Leg, dt: f32) {
+        let Some(Shown { asked, rotations: kept, places: before, speeds }) = self.last else { return };
+        let rotations = joints(leg).map(|joint| pose.local(joint).rotation);
+        let now = places(pose, leg);
+        let speeds = speeds.map(|(turns, moves)| {
+            let turn = |index: usize| turns[index] + turn_between(kept[index], rotations[index]) / dt;
+            let way = |index: usize| moves[index] + (now[index] - before[index]) / dt;
+            ([0, 1, 2, 3].map(turn), [0, 1, 2].map(way))
+        });
+        for (index, offset) in self.offsets.iter_mut().enumerate() {
+            *offset = (turn_between(asked[index], rotations[index]), Vec3::ZERO);
+        }
+        self.elapsed = 0.0;
+        self.last = Some(Shown { asked, rotations, places: now, speeds });
+    }
+
     /// Nothing is known of how the leg moved.
     pub(super) fn forget(&mut self) {
         *self = Self { elapsed: EASES, ..Self::default() };

@@ -19,7 +19,11 @@ pub use facts::{ClipFacts, Facts, Taken};
 pub use fade::Fades;
 pub use machine::Machine;
 
-use super::{bind::CharacterAssets, motion::MotionState, schedule::PoseSystems};
+use super::{
+    bind::CharacterAssets,
+    motion::MotionState,
+    schedule::{PoseClock, PoseSystems},
+};
 use crate::{
     anim::{
         peak::{Liveliness, Peak},
@@ -256,16 +260,16 @@ pub struct LocomotionPlugin;
 
 impl Plugin for LocomotionPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(PostUpdate, locomote.in_set(PoseSystems::Locomote));
+        app.add_systems(FixedPostUpdate, locomote.in_set(PoseSystems::Locomote));
     }
 }
 
 fn locomote(
-    time: Res<Time>,
+    clock: Res<PoseClock>,
     assets: CharacterAssets,
     mut characters: Query<(&super::Character, &Transform, &MotionState, &mut Locomotion)>,
 ) {
-    let dt = time.delta_secs();
+    let dt = clock.delta_secs();
     characters.par_iter_mut().for_each(|(character, root, motion, mut locomotion)| {
         let Some(asset) = assets.get(character) else { return };
         let locomotion = &mut *locomotion;

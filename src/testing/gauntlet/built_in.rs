@@ -29,7 +29,10 @@ use crate::{
         motion::{CharacterMotion, MotionState},
         schedule::PoseSystems,
     },
-    measure::record::{Hold, Playing, Recorder, Seen, hold_of_clip},
+    measure::{
+        record::Recorder,
+        seen::{Hold, Playing, Seen, hold_of_clip},
+    },
     rig::character::CharacterAsset,
     testing::{
         stage::{Stage, StageError},

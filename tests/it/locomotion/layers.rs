@@ -102,7 +102,7 @@ fn who_stands_breathes_and_shifts_weight_on_feet_that_stay() {
 #[test]
 fn the_head_turns_before_the_body() {
     let (mut stage, walker) = walker_on(&World::flat());
-    stage.intend(walker, MoveIntent { facing: Some(Vec3::NEG_X), ..default() }).run_for(0.12);
+    stage.intend(walker, MoveIntent { facing: Some(Vec3::NEG_X), ..default() }).run_for(0.14);
     let ahead = |stage: &Stage, joint: &str| directions(stage, walker, joint).0.dot(Vec3::NEG_X);
     let (head, chest) = (ahead(&stage, "head"), ahead(&stage, "upperChest"));
     assert!(head > chest + 0.3, "turning left the head points left by {head:.2}, the chest by {chest:.2}");

@@ -1,0 +1,108 @@
+//! Shows what lies between two ticks: poses as the engine's interpolation shows roots and grounds.
+//!
+//! Reads [`CharacterPose`] at the end of each tick and writes its model pose in each frame. Joints go from place to place on
+//! straight lines in model space, not by their turns: a foot that stands still in both ticks stands still between them.
+
+use bevy::{math::Affine3A, prelude::*};
+
+use super::{
+    animator::CharacterPose,
+    detail::{Mode, Pacing},
+    motion::MotionState,
+    schedule::{PoseClock, PoseSystems},
+};
+use crate::anim::{
+    blend::{between_models, lerp},
+    pose::Pose,
+    skeleton::JointTransform,
+};
+
+/// The poses of the last two ticks, the older one first. Its buffers are made when it is first posed.
+#[derive(Component, Clone, Debug, Default)]
+pub struct Ticked {
+    models: [Vec<Affine3A>; 2],
+    /// Empty for who has no [`ShowLocals`].
+    locals: [Vec<JointTransform>; 2],
+    teleports: u32,
+}
+
+/// Has local transforms shown between ticks, too; without it [`CharacterPose`] keeps those of the last tick.
+///
+/// For those whose shown pose is changed further, or read joint by joint. IK chains ask for it by themselves.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct ShowLocals;
+
+impl Ticked {
+    /// One tick. `jumped`: there is no way from the pose before to this one.
+    fn record(&mut self, pose: &Pose, locals: bool, jumped: bool) {
+        let known = self.models[1].len() == pose.len() && !jumped;
+        self.models.swap(0, 1);
+        fill(&mut self.models[1], pose.models());
+        if !known {
+            fill(&mut self.models[0], pose.models());
+        }
+        if locals {
+            let known = known && self.locals[1].len() == pose.len();
+            self.locals.swap(0, 1);
+            fill(&mut self.locals[1], pose.locals());
+            if !known {
+                fill(&mut self.locals[0], pose.locals());
+            }
+        }
+    }
+
+    /// The pose that lies `share` of the way from the older pose to the newer one.
+    fn show(&self, pose: &mut Pose, share: f32) {
+        let [from, to] = &self.models;
+        if to.len() != pose.len() {
+            return;
+        }
+        for ((seen, from), to) in pose.models_mut().iter_mut().zip(from).zip(to) {
+            *seen = between_models(from, to, share);
+        }
+        let [from, to] = &self.locals;
+        for ((seen, from), to) in pose.locals_mut().iter_mut().zip(from).zip(to) {
+            *seen = lerp(*from, *to, share);
+        }
+    }
+}
+
+fn fill<T: Copy>(buffer: &mut Vec<T>, from: &[T]) {
+    buffer.clear();
+    buffer.extend_from_slice(from);
+}
+
+/// Shows poses between ticks.
+pub struct ShowPlugin;
+
+impl Plugin for ShowPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_required_components::<CharacterPose, Ticked>()
+            .add_systems(FixedPostUpdate, record.in_set(PoseSystems::Ease).after(super::ease::ease))
+            .add_systems(PostUpdate, show.in_set(PoseSystems::Show));
+    }
+}
+
+fn record(mut characters: Query<(&CharacterPose, &MotionState, Option<&Pacing>, Has<ShowLocals>, &mut Ticked)>) {
+    characters.par_iter_mut().for_each(|(pose, motion, pacing, locals, mut ticked)| {
+        let hidden = pacing.is_some_and(|pacing| pacing.mode == Mode::Hidden);
+        if !hidden {
+            let returns = pacing.is_some_and(|pacing| pacing.returns);
+            let jumped = core::mem::replace(&mut ticked.teleports, motion.teleports) != motion.teleports;
+            ticked.record(&pose.pose, locals, jumped || returns);
+        }
+    });
+}
+
+fn show(
+    fixed: Res<Time<Fixed>>,
+    clock: Res<PoseClock>,
+    mut characters: Query<(&Ticked, Option<&Pacing>, &mut CharacterPose)>,
+) {
+    let share = clock.share(fixed.overstep_fraction());
+    characters.par_iter_mut().for_each(|(ticked, pacing, mut pose)| {
+        if pacing.is_none_or(|pacing| pacing.mode != Mode::Hidden) {
+            ticked.show(&mut pose.pose, share);
+        }
+    });
+}
