@@ -78,6 +78,12 @@ impl Default for PoseClock {
 }
 
 impl PoseClock {
+    /// Poses characters in `most` ticks of a frame.
+    #[must_use]
+    pub fn at_most(most: u32) -> Self {
+        Self { most, ..Self::default() }
+    }
+
     /// Seconds that characters are posed for in this tick; 0 while they aren't.
     #[must_use]
     pub fn delta_secs(&self) -> f32 {

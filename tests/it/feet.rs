@@ -62,6 +62,23 @@ fn who_walks_and_stops_always_has_a_foot_on_the_ground() {
     }
 }
 
+#[test]
+fn who_walks_is_borne_by_a_foot() {
+    let stairs = [World::stairs_up(12, 0.17, 0.29), World::stairs_down(12, 0.17, 0.29)];
+    for world in stairs.iter().chain(&[World::rubble(), World::hills(), World::ramp(30.0)]) {
+        let mut stage = Stage::on(world);
+        let walker = stage.spawn_walker().expect("the mannequin loads");
+        stage.run_for(0.5).start_recording(walker).play(walker, &Tape::walk());
+        let (mut longest, mut since) = (0.0f32, 0.0f32);
+        for frame in stage.frames(walker) {
+            let borne = !frame.grounded || frame.feet.iter().any(|foot| foot.stance);
+            since = if borne { 0.0 } else { since + 1.0 / 60.0 };
+            longest = longest.max(since);
+        }
+        assert!(longest < 0.1, "{}: for {longest:.2} s no foot stands while it walks", world.name);
+    }
+}
+
 /// Plays `tape` and tells, of each frame, how high over the root the hips are, and where the ankles are in model space.
 fn hips_and_ankles(world: &World, tape: &Tape, hertz: f32) -> Vec<(f32, [Vec3; 2])> {
     let mut stage = Stage::on(world);

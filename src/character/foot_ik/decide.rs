@@ -91,7 +91,12 @@ impl FootState {
                     || self.behind > BEHIND * slack
                     || amid && (self.above > down * slack || aside > THERE * slack)
                 {
+                    // Down a step there is little room: it goes on to where it was coming down, on that tread and no other.
+                    let keeps = !around.halts && self.steps_down(size) && self.landing.was_foreseen(foot.ball, size);
+                    let kept = keeps.then_some(self.landing);
                     self.finish_step(foot, aside, size);
+                    self.flight.keeps_landing = keeps;
+                    self.landing = kept.unwrap_or_default();
                 } else if self.above < HIGH * size || self.flight.share() >= 1.0 {
                     // One that is still high has one frame more to come down to its landing.
                     self.lock(foot, around);

@@ -75,6 +75,8 @@ pub(super) struct Flight {
     guard: f32,
     /// Whether it finishes what a clip began.
     pub(super) finishes: bool,
+    /// Whether it does so where it was to end, not where the clip's foot is.
+    pub(super) keeps_landing: bool,
     /// How much of the step height a step of its own is lifted by, 0..1.
     pub(super) arc: f32,
 }
@@ -181,7 +183,13 @@ impl FootState {
         // A leg that is behind its way is waited for.
         let elapsed = elapsed + around.dt * self.pace.share();
         self.landing.ride(around.frames);
-        self.landing.foresee(foot.ball, foot.forward, (seconds - elapsed).max(0.0), self.base, around);
+        if self.flight.keeps_landing && around.halts {
+            // Who halts stands elsewhere than he would have stepped.
+            self.change_way(foot);
+            self.flight.finishes = true;
+        }
+        let follows = if self.flight.keeps_landing { 0.0 } else { (seconds - elapsed).max(0.0) };
+        self.landing.foresee(foot.ball, foot.forward, follows, self.base, around);
         self.look_over_the_way(foot, around);
         // Up, down or over something takes longer.
         let climb = (self.landing.place.y - self.flight.takeoff.y).abs().max(self.flight.way.highest());
@@ -195,6 +203,11 @@ impl FootState {
         let arc = 4.0 * share * (1.0 - share);
         self.flight.lift = self.flight.arc * around.config.step_height * arc * arc;
         self.fly(ball, eased, time_left, foot, around)
+    }
+
+    /// Whether it comes down on a lower step.
+    pub(super) fn steps_down(&self, size: f32) -> bool {
+        self.landing.step_down(self.flight.ground(), size) > 0.5
     }
 
     fn look_over_the_way<P: Probe, G: GroundFrames>(&mut self, foot: &AnimatedFoot, around: &Surroundings<'_, P, G>) {
@@ -250,7 +263,9 @@ impl FootState {
     fn clear<P: Probe, G: GroundFrames>(&mut self, placed: &mut PlacedFoot, around: &Surroundings<'_, P, G>) {
         self.flight.guard *= remaining(GUARD_HALF_LIFE, around.dt);
         let mut deepest = self.flight.guard;
-        let keeps = around.size * ((CLEARS + TOUCH) * self.flight.amid() - TOUCH);
+        // What comes down on a step below is almost there.
+        let amid = if self.flight.keeps_landing { 0.0 } else { self.flight.amid() };
+        let keeps = around.size * ((CLEARS + TOUCH) * amid - TOUCH);
         let rim = flat(placed.sole[2] - placed.sole[0]).normalize_or_zero() * (RIM * around.size);
         for (point, out) in placed.sole.into_iter().zip([-rim, Vec3::ZERO, rim]) {
             if let Some(ground) = around.reach.height(around.probe, point + out) {

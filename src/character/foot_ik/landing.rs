@@ -7,6 +7,7 @@ use bevy::{math::ops, prelude::*};
 
 use super::{
     flight::ease,
+    foot::flat,
     ground::{Footprint, Plane, Probe, find_room, footprint},
     surroundings::{GroundFrames, Surroundings},
     turns::limited_align,
@@ -27,6 +28,8 @@ const MOVED: f32 = 0.01;
 const FOLLOW: f32 = 0.05;
 /// Metres from the planned place within which a foot counts as landed there.
 const NEAR: f32 = 0.05;
+/// Metres between where a clip's foot was to come down and where it did, within which that was foreseen.
+const FORESEEN: f32 = 0.05;
 /// Metres of ground over a ball that came down as planned from which on it lies in that ground.
 const BURIED: f32 = 0.01;
 /// Metres under the heel from which on a landing hangs over an edge.
@@ -140,6 +143,11 @@ impl Landing {
     pub(super) fn carried(&self, point: Vec3, frames: &impl GroundFrames) -> Vec3 {
         let moved = self.ground.and_then(|(on, before)| Some(frames.frame(on)? * (before.inverse() * point)));
         moved.map_or(point, |moved| moved.with_y(point.y))
+    }
+
+    /// Whether the clip's foot came down at `ball` as was foreseen: what takes the place from there is room alone.
+    pub(super) fn was_foreseen(&self, ball: Vec3, size: f32) -> bool {
+        self.known && flat(self.clip - ball).length() < FORESEEN * size
     }
 
     /// How far, 0..1, the place is a step down from `takeoff`, rather than further down one slope or up another.

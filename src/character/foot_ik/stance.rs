@@ -27,6 +27,8 @@ const SUNK: f32 = 0.002;
 /// Half-lives in seconds: in which a heel comes down after a landing on the toes, and in which a foot takes its weight.
 const HEEL_DOWN: f32 = 0.05;
 const TAKES_WEIGHT: f32 = 0.06;
+/// Metres that a foot may drop at once as it comes to stand.
+const DROPS: f32 = 0.02;
 /// Half-life in seconds in which a foot that came down over or under its ground settles onto it.
 const SETTLE: f32 = 0.02;
 /// The same for one that its clip has over its own floor while it stands.
@@ -48,7 +50,16 @@ impl FootState {
         // After a step of its own a foot takes its weight by and by.
         self.forefoot = if matches!(self.mode, Mode::Stepping { .. }) { 0.0 } else { 1.0 };
         let heel_first = foot.heel.y < foot.ball.y - STRIKES * around.size && self.flatten.value < 0.5;
+        let before = self.placed_ball.y;
         self.plant_at(if heel_first { Pivot::Heel } else { Pivot::Ball }, foot, around);
+        if let Mode::Planted(plant) = self.mode {
+            // What held it up until now lets it down by and by.
+            let anchor = self.ground * plant.anchor_ground;
+            let normal = self.ground.rotation * plant.normal_ground;
+            let plane = Plane { point: anchor + Vec3::Y * self.over, normal };
+            self.place(foot, Some((plant.pivot, anchor)), plane);
+            self.over += (before - self.placed_ball.y - DROPS * around.size).max(0.0);
+        }
     }
 
     /// Where a point of the sole was placed last, world; the height doesn't matter.
