@@ -2,7 +2,8 @@
 //!
 //! Turns are taken against the rest pose, in model space, joint by joint; what the two rest postures differ by (arms out or
 //! down) is made up for by [`Part::offset`]. The pelvis goes as far as the legs are long, and the legs are then put by IK so
-//! that each sole is as high as the source's and its ball goes the same way, scaled: contacts stay contacts.
+//! that each sole is as high as the source's and its ball goes the same way, scaled: contacts stay contacts. Where feet of other
+//! proportions would have a leg stretch farther than the source's, the pelvis is lower throughout the clip.
 
 use bevy::math::{Quat, Vec3};
 
@@ -17,6 +18,9 @@ use crate::math::rotation::twist_about;
 
 /// Extension from which legs resist, and the most they reach, where the source's doesn't reach farther.
 const EXTENSION: Extension = Extension { soft: 0.97, hard: 0.99 };
+
+/// Share of the leg's length by which a pelvis is lower than its source's at most.
+const LOWEST: f32 = 0.05;
 
 /// A joint that follows joints of another skeleton.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,18 +74,41 @@ impl Retarget<'_> {
     pub fn clip(&self, clip: &Clip) -> Clip {
         let rests = [Pose::rest(self.from), Pose::rest(self.to)];
         let mut pose = Pose::rest(self.to);
+        let lower = self.lower(&rests, clip);
         let partner = |node: JointIndex| self.parts.iter().find(|part| part.from[0] == node).map(|part| part.to);
         let mut moved = clip.rebuilt(self.from, self.to, partner, |source, out| {
             pose.locals_mut().copy_from_slice(out);
-            self.follow(&rests, source, &mut pose);
+            self.follow(&rests, source, lower, &mut pose);
+            self.hold(&rests, source, &mut pose);
             out.copy_from_slice(pose.locals());
         });
         moved.ground_speed = clip.ground_speed.map(|speed| speed * self.length);
         moved
     }
 
-    /// Puts `pose`, at rest, where `source` has it.
-    fn follow(&self, rests: &[Pose; 2], source: &Pose, pose: &mut Pose) {
+    /// Metres by which the pelvis is lower than the source's throughout `clip`, so that legs with other feet stretch no
+    /// farther than its do.
+    fn lower(&self, rests: &[Pose; 2], clip: &Clip) -> f32 {
+        let Some([from, to]) = self.pelvis.and_then(|pelvis| pelvis.legs) else { return 0.0 };
+        let (mut source, mut pose) = (rests[0].clone(), rests[1].clone());
+        let mut lower = 0.0f32;
+        for frame in 0..clip.frame_count() {
+            clip.sample_frame(self.from, frame, source.locals_mut());
+            source.update_model(self.from);
+            pose.locals_mut().copy_from_slice(rests[1].locals());
+            self.follow(rests, &source, 0.0, &mut pose);
+            for (from, to) in from.iter().zip(&to) {
+                let down = pose.position(to.upper) - self.ankle(rests, &source, [from, to], &pose);
+                let reach = extension(&source, from).soft * to.length();
+                let height = (reach * reach - down.with_y(0.0).length_squared()).max(0.0).sqrt();
+                lower = lower.max((down.y - height).min(LOWEST * to.length()));
+            }
+        }
+        lower
+    }
+
+    /// Puts `pose`, at rest, where `source` has it, the pelvis `lower`, legs not yet on their feet.
+    fn follow(&self, rests: &[Pose; 2], source: &Pose, lower: f32, pose: &mut Pose) {
         let [from_rest, to_rest] = rests;
         let turn = |joint: JointIndex| source.rotation(joint) * from_rest.rotation(joint).inverse();
         // Parents come first, so each joint's parent has its place.
@@ -96,24 +123,17 @@ impl Retarget<'_> {
             }
             if let Some(pelvis) = self.pelvis.filter(|pelvis| pelvis.to == joint) {
                 let way = source.position(pelvis.from) - from_rest.position(pelvis.from);
-                let at = to_rest.position(joint) + way * (self.length * self.sway);
+                let at = to_rest.position(joint) + way * (self.length * self.sway) - Vec3::Y * lower;
                 let above = self.to.parent(joint).map_or(self.to.model_from_root, |parent| pose.model(parent));
                 local.translation = above.inverse().transform_point3(at);
             }
             pose.set_local(joint, local);
             pose.update_joint(self.to, joint);
         }
-        if let Some((pelvis, [from, to])) = self.pelvis.and_then(|pelvis| Some((pelvis, pelvis.legs?))) {
-            let forward = turn(pelvis.from) * Vec3::NEG_Z;
-            for foot in 0..2 {
-                self.hold(rests, source, [&from[foot], &to[foot]], forward, pose);
-            }
-        }
     }
 
-    /// Puts the leg so that its ball goes the source's way, scaled, and its sole is as high.
-    fn hold(&self, rests: &[Pose; 2], source: &Pose, legs: [&Leg; 2], forward: Vec3, pose: &mut Pose) {
-        let [from, to] = legs;
+    /// Where a foot's ankle has to be so that its ball goes the source's way, scaled, and its sole is as high.
+    fn ankle(&self, rests: &[Pose; 2], source: &Pose, [from, to]: [&Leg; 2], pose: &Pose) -> Vec3 {
         let lowest =
             |leg: &Leg, pose: &Pose| leg.sole().map(|point| point.position(pose).y).into_iter().reduce(f32::min);
         let height = |leg: &Leg, pose: &Pose| lowest(leg, pose).unwrap_or_default();
@@ -123,16 +143,27 @@ impl Retarget<'_> {
         wanted -= to.ball.position(pose);
         wanted.y =
             height(to, to_rest) + (height(from, source) - height(from, from_rest)) * self.length - height(to, pose);
-        let ankle = pose.position(to.foot) + wanted;
+        pose.position(to.foot) + wanted
+    }
+
+    /// Puts the legs on their feet.
+    fn hold(&self, rests: &[Pose; 2], source: &Pose, pose: &mut Pose) {
+        let Some((pelvis, [from, to])) = self.pelvis.and_then(|pelvis| Some((pelvis, pelvis.legs?))) else { return };
+        let turn = source.rotation(pelvis.from) * rests[0].rotation(pelvis.from).inverse();
+        for (from, to) in from.iter().zip(&to) {
+            let ankle = self.ankle(rests, source, [from, to], pose);
+            self.put(to, ankle, turn * Vec3::NEG_Z, extension(source, from), pose);
+        }
+    }
+
+    /// Turns a leg so that its ankle is there, its foot as it is.
+    fn put(&self, to: &Leg, ankle: Vec3, forward: Vec3, extension: Extension, pose: &mut Pose) {
         let limb = Limb {
             root: pose.position(to.upper),
             middle: pose.position(to.lower),
             end: pose.position(to.foot),
             pole: forward,
         };
-        let stretched = source.position(from.upper).distance(source.position(from.foot)) / from.length();
-        let stretched = stretched.min(1.0);
-        let extension = Extension { soft: EXTENSION.soft.max(stretched), hard: EXTENSION.hard.max(stretched) };
         let solution = two_bone::solve(&limb, ankle, extension);
         let foot_rotation = pose.rotation(to.foot);
         pose.rotate_model(self.to, to.upper, solution.upper_delta);
@@ -143,6 +174,12 @@ impl Retarget<'_> {
         pose.rotate_model(self.to, to.foot, foot_rotation * pose.rotation(to.foot).inverse());
         pose.update_model_below(self.to, to.upper);
     }
+}
+
+/// How far a leg stretches that follows `leg` of the source.
+fn extension(source: &Pose, leg: &Leg) -> Extension {
+    let stretched = (source.position(leg.upper).distance(source.position(leg.foot)) / leg.length()).min(1.0);
+    Extension { soft: EXTENSION.soft.max(stretched), hard: EXTENSION.hard.max(stretched) }
 }
 
 impl Clip {

@@ -117,7 +117,7 @@
 //! feet that are flat stay flat, and long ones turn less;
 //! spines of different numbers of joints share the turn out. The pelvis goes as far as the legs are longer or shorter. At last
 //! the legs are put by IK so that each ball goes the source's way, scaled, and each sole is exactly as high: contacts stay
-//! contacts. Bodies of another size step in times that go with the root of their legs' length, as pendulums do, when they walk
+//! contacts. Where shorter feet would have the legs stretch farther than the source's, the pelvis is a little lower. Bodies of another size step in times that go with the root of their legs' length, as pendulums do, when they walk
 //! with the mannequin's clips. Every field of [`RetargetConfig`](super::tuning::retarget::RetargetConfig) may be set in the file.
 //!
 //! # Its own clips
