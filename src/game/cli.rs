@@ -19,7 +19,7 @@ use super::{gauntlet::GauntletOptions, view::ViewOptions};
         one contact sheet, and a table of measures.",
     after_help = "In the window: WASD or left stick walks, Shift or right trigger runs, Ctrl or a press of the left stick sprints, Space jumps, C crouches, H waves, mouse or right stick \
         looks around, wheel zooms, right mouse button or left trigger aims, F1 hides the help, F3 shows how the feet are placed.\n\
-        With `view`, besides: N and B go through the clips, V walks, K shows the skeleton, G the weights, M each morph target.\n\
+        With `view`, besides: N and B go through the clips, V walks, K shows the skeleton, G the weights, M each morph target and expression.\n\
         Exit codes: 0 all well, 1 the film or the gauntlet's files could not be written, `--strict` found a bar broken or `--against-bevy` a joint off, 2 wrong arguments, 3 the machine lacks a graphics driver, a display or the assets."
 )]
 pub struct Cli {

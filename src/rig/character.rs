@@ -10,6 +10,7 @@ use super::{
     binding::{self, Binding},
     blink,
     character_file::{CharacterFile, ClipSource},
+    expressions::ExpressionBind,
     humanoid::{Humanoid, HumanoidError, HumanoidRole},
     legs::{self, Body},
     names::{listed, suggestion},
@@ -60,8 +61,8 @@ pub struct CharacterAsset {
     pub stature: f32,
     /// Clips of its own that are called as states are in other words.
     pub own_clips: Vec<OwnClip>,
-    /// For each mesh of the rig the morph targets, by index, that shut the eyes.
-    pub blink_targets: Vec<Vec<usize>>,
+    /// Morph targets that shut the eyes.
+    pub blink_targets: Vec<ExpressionBind>,
     clips: Vec<CharacterClip>,
     actions: Vec<CharacterAction>,
 }

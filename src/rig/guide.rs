@@ -153,7 +153,10 @@
 //! # Its face
 //!
 //! Morph targets go with the clips that move them, and by name where the game wants them: `morphs.set("smile", 0.8)` on the
-//! component [`Morphs`](../../skinning/struct.Morphs.html), until `morphs.release("smile")`.
+//! component [`Morphs`](../../skinning/struct.Morphs.html), until `morphs.release("smile")`. Expressions of VRM models, sets of
+//! targets with a name, go by `morphs.express("happy", 0.8)` and end at 0; those of VRM 0.x have the names of 1.0 (`joy` is
+//! `happy`, `a` is `aa`). Eyes blink by themselves where the model has an expression or a target for it; `blink` in the file
+//! says how often, and by which one if names don't tell.
 //!
 //! # Hold it to the measures
 //!

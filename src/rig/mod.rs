@@ -7,6 +7,7 @@ pub mod binding;
 mod blink;
 pub mod character;
 pub mod character_file;
+pub mod expressions;
 pub mod frame;
 pub mod gltf;
 pub mod guide;
@@ -51,6 +52,8 @@ pub struct Rig {
     ///
     /// Each box moved by its joint's pose, all united, holds the posed mesh.
     pub joint_bounds: Vec<Option<Aabb3d>>,
+    /// Expressions of the face, where the file brings a list of them as VRM models do.
+    pub expressions: Vec<expressions::Expression>,
     /// What was mended on import, one sentence each.
     pub notes: Vec<String>,
     /// By joint: the vertices it moves most, in joint space.

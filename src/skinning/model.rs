@@ -137,6 +137,7 @@ fn build(
             part.spawn(character, &mut morphs, &mut commands);
         }
         if !morphs.is_empty() {
+            morphs.learn(&rig.expressions);
             commands.entity(character).insert(morphs);
         }
         status.built = Some(wanted);

@@ -1,14 +1,20 @@
 //! Morph targets follow what plays, and eyes blink: the mannequin blinks and breathes, whatever its limbs do.
 
+use std::collections::BTreeMap;
+
 use bevy::prelude::*;
+use serde_json::json;
 use surefoot::{
     character::{
         animator::{Actions, Blink, MorphScratch, MorphSources, morph_weights},
         intent::MoveIntent,
         locomotion::Locomotion,
     },
+    rig::{Rig, character::CharacterAsset, character_file::CharacterFile},
     testing::{Stage, Tape, World},
 };
+
+use crate::foreign::mannequin;
 
 /// The mannequin's targets, in the order of its file.
 const BLINK: usize = 0;
@@ -23,6 +29,7 @@ fn weights(stage: &Stage, walker: Entity) -> Option<[f32; 2]> {
         locomotion: stage.get::<Locomotion>(walker).expect("bound"),
         actions: stage.get::<Actions>(walker).expect("bound"),
         blink: stage.get::<Blink>(walker).expect("bound"),
+        blinks: 1.0,
     };
     let mut scratch = MorphScratch::default();
     let told = morph_weights(&sources, mesh.expect("the mannequin has targets"), &mut scratch);
@@ -119,6 +126,23 @@ fn a_file_says_how_often_eyes_blink_and_whether() {
     assert!(nervous > 2 * usual, "eyes are shut in {nervous} frames, not in {usual}");
     let off = blinks(&tape, |stage, walker| stage.tune(walker, |file| file.blink.enabled = false));
     assert!(off.iter().all(Vec::is_empty), "off, eyes are shut in {off:?}");
+}
+
+#[test]
+fn eyes_of_a_vrm_model_shut_as_far_as_its_expression_says() {
+    let mut file = mannequin();
+    let node = file.root["nodes"].as_array().and_then(|nodes| nodes.iter().position(|node| node.get("mesh").is_some()));
+    let bind = json!({ "node": node, "index": BLINK, "weight": 0.5 });
+    let blink = json!({ "preset": { "blink": { "morphTargetBinds": [bind] } } });
+    file.root["extensions"] = json!({ "VRMC_vrm": { "specVersion": "1.0", "expressions": blink } });
+    let rig = Rig::from_slice(&file.glb(), |_| Err("no files".to_owned())).expect("the file is good");
+    let asset = CharacterAsset::resolve(CharacterFile::default(), "body.vrm".into(), rig, &BTreeMap::new());
+    let mut stage = Stage::on(&World::flat());
+    let walker = stage.spawn_loaded(asset.expect("it walks"), &[Transform::IDENTITY])[0];
+    // In crouching no clip moves the lids.
+    stage.intend(walker, MoveIntent { velocity: Vec3::NEG_Z, crouch: true, ..default() }).run_for(1.0);
+    let (least, most, _) = range(&mut stage, walker, 15);
+    assert!(least[BLINK].abs() < 1e-6 && (most[BLINK] - 0.5).abs() < 0.03, "{} to {}", least[BLINK], most[BLINK]);
 }
 
 #[test]

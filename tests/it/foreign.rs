@@ -20,7 +20,7 @@ fn character(text: &str, file: &GltfFile) -> CharacterAsset {
 }
 
 /// The mannequin's file, its clips under names that no state knows.
-fn mannequin() -> GltfFile {
+pub fn mannequin() -> GltfFile {
     let glb = include_bytes!("../../assets/mannequin.glb");
     let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().expect("four bytes")) as usize;
     let json = &glb[20..20 + word(12)];

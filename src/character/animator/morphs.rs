@@ -17,6 +17,8 @@ pub struct MorphSources<'a> {
     pub actions: &'a Actions,
     /// When its eyes shut.
     pub blink: &'a Blink,
+    /// Share of its blinks that is shown, 0..=1: an expression may have something against them.
+    pub blinks: f32,
 }
 
 /// Buffers of [`morph_weights`].
@@ -33,7 +35,7 @@ pub struct MorphScratch {
 /// Clips blend by their weights, those that say nothing as the mesh is at rest. Actions lie over them as far as they reach the
 /// head: faces go with it. Additive ones add their weights. A blink shuts the eyes at least as far as it goes.
 pub fn morph_weights(sources: &MorphSources, mesh: usize, scratch: &mut MorphScratch) -> bool {
-    let MorphSources { asset, locomotion, actions, blink } = *sources;
+    let MorphSources { asset, locomotion, actions, blink, blinks } = *sources;
     let MorphScratch { sampled, weights } = scratch;
     weights.clear();
     let Some(binding) = asset.rig.meshes.get(mesh) else { return false };
@@ -56,11 +58,11 @@ pub fn morph_weights(sources: &MorphSources, mesh: usize, scratch: &mut MorphScr
             *below += share * if action.config.additive { *above } else { above - *below };
         }
     }
-    let shut = blink.shut(&asset.file.blink);
-    for target in asset.blink_targets.get(mesh).into_iter().flatten().filter(|_| shut > 0.0) {
-        if let Some(weight) = weights.get_mut(*target) {
+    let shut = blinks * blink.shut(&asset.file.blink);
+    for bind in asset.blink_targets.iter().filter(|bind| bind.mesh == mesh && shut > 0.0) {
+        if let Some(weight) = weights.get_mut(bind.target) {
             told = true;
-            *weight = weight.max(shut);
+            *weight = weight.max(shut * bind.weight);
         }
     }
     told

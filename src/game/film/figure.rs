@@ -18,7 +18,7 @@ use crate::{
         engine::{self, TICKS_PER_SECOND},
         level::{self, Cast, Hero, Loading, watch_loading},
         view::{
-            playback::{self, Playback, Show, posed},
+            playback::{self, Face, Playback, Show, posed},
             skeleton::{self, ShowSkeleton},
             subject::{Part, Subject},
             weights::{self, ShowWeights},
@@ -33,8 +33,9 @@ const SIZE: UVec2 = UVec2::new(480, 360);
 /// Pictures of each clip, and of the walk.
 const OF_A_CLIP: usize = 4;
 const OF_THE_WALK: usize = 12;
-/// Most morph targets that are shown.
+/// Most morph targets and expressions that are shown.
 const MORPHS: usize = 8;
+const EXPRESSIONS: usize = 20;
 /// Number of pictures that only warm up: what is new is drawn some pictures later.
 const UNSEEN: usize = usize::MAX;
 const WARM_UP: usize = 3;
@@ -57,7 +58,7 @@ struct Shot {
 
 impl Shot {
     fn new(caption: &str, show: Show, time: f32) -> Self {
-        let playback = Playback { show, time, morph: None };
+        let playback = Playback { show, time, face: None };
         Self { caption: caption.to_owned(), playback, from: AHEAD, skeleton: false, weights: false }
     }
 
@@ -136,8 +137,13 @@ fn shots(rig: &Rig) -> Vec<Shot> {
     ];
     let targets = rig.meshes.iter().map(|mesh| mesh.morph_weights.len()).max().unwrap_or(0);
     for morph in 0..targets.min(MORPHS) {
-        let playback = Playback { morph: Some(morph), ..rest.playback };
+        let playback = Playback { face: Some(Face::Target(morph)), ..rest.playback };
         shots.push(Shot { caption: format!("morph target {}", morph + 1), playback, ..rest.clone() });
+    }
+    let expressions = rig.expressions.iter().enumerate().filter(|(_, expression)| !expression.binds.is_empty());
+    for (index, expression) in expressions.take(EXPRESSIONS) {
+        let playback = Playback { face: Some(Face::Expression(index)), ..rest.playback };
+        shots.push(Shot { caption: format!("expression {}", expression.name), playback, ..rest.clone() });
     }
     // Each clip begins a row of four.
     while shots.len() % OF_A_CLIP != 0 {

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::{
-    playback::{Playback, Show},
+    playback::{Face, Playback, Show},
     skeleton::ShowSkeleton,
     subject::Viewed,
     weights::ShowWeights,
@@ -37,7 +37,8 @@ fn press(
     mut weights: ResMut<ShowWeights>,
     heroes: Query<&Morphs, With<Hero>>,
 ) {
-    let targets = heroes.iter().next().map_or(0, |morphs| morphs.names().len());
+    let (targets, expressions) =
+        heroes.iter().next().map_or((0, 0), |morphs| (morphs.names().len(), morphs.expressions().count()));
     for key in keys.get_just_pressed() {
         match key {
             KeyCode::KeyN => show(&mut playback, |shown| shown.stepped(viewed.rig.clips.len(), 1)),
@@ -46,8 +47,7 @@ fn press(
             KeyCode::KeyK => skeleton.0 = !skeleton.0,
             KeyCode::KeyG => weights.0 = !weights.0,
             KeyCode::KeyM => {
-                let next = playback.morph.map_or(0, |morph| morph + 1);
-                playback.morph = (next < targets).then_some(next);
+                playback.face = Face::after(playback.face, targets, expressions);
                 // A character that walks has its own expression.
                 if playback.show == Show::Own {
                     playback.show = Show::Rest;
@@ -106,9 +106,16 @@ fn tell(
         }
     };
     let morphs = heroes.iter().flatten().next();
-    let morph = playback.morph.and_then(|morph| morphs?.names().get(morph).cloned());
-    let morph = morph.map_or_else(String::new, |name| format!("\nmorph target {name}"));
-    let told = format!("{}\n{shown}{morph}\n{KEYS}", viewed.name);
+    let face = match playback.face {
+        Some(Face::Target(target)) => {
+            morphs.and_then(|morphs| morphs.names().get(target)).map(|name| format!("\nmorph target {name}"))
+        }
+        Some(Face::Expression(expression)) => {
+            morphs.and_then(|morphs| morphs.expressions().nth(expression)).map(|name| format!("\nexpression {name}"))
+        }
+        None => None,
+    };
+    let told = format!("{}\n{shown}{}\n{KEYS}", viewed.name, face.unwrap_or_default());
     if text.0 != told {
         text.0 = told;
     }

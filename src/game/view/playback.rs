@@ -49,8 +49,32 @@ pub(in crate::game) struct Playback {
     pub(in crate::game) show: Show,
     /// Seconds into the clip.
     pub(in crate::game) time: f32,
-    /// Morph target held at weight 1 besides those of the clip.
-    pub(in crate::game) morph: Option<usize>,
+    /// What the face shows in full besides what the clip says.
+    pub(in crate::game) face: Option<Face>,
+}
+
+/// What a face shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::game) enum Face {
+    /// The morph target of this index.
+    Target(usize),
+    /// The expression of this index.
+    Expression(usize),
+}
+
+impl Face {
+    /// What to show after `face` of a model with so many of each; nothing after the last.
+    pub(in crate::game) fn after(face: Option<Self>, targets: usize, expressions: usize) -> Option<Self> {
+        let next = match face {
+            None => 0,
+            Some(Self::Target(target)) => target + 1,
+            Some(Self::Expression(expression)) => targets + expression + 1,
+        };
+        match next.checked_sub(targets) {
+            None => Some(Self::Target(next)),
+            Some(expression) => (expression < expressions).then_some(Self::Expression(expression)),
+        }
+    }
 }
 
 pub(in crate::game) fn plugin(app: &mut App) {
@@ -111,20 +135,42 @@ fn morph(morphs: &mut Morphs, rig: &Rig, playback: &Playback) {
         {
             clip.morph_weights(mesh.joint, playback.time, &mut weights);
         }
-        if weights.len() == names.len() {
-            names.iter().zip(weights).for_each(|(name, weight)| {
-                morphs.set(name, weight);
-            });
+        for (name, weight) in mesh.morph_names.iter().zip(weights) {
+            morphs.set(name, weight);
         }
     }
-    if let Some(name) = playback.morph.and_then(|morph| names.get(morph)) {
-        morphs.set(name, 1.0);
+    match playback.face {
+        Some(Face::Target(target)) => {
+            if let Some(name) = names.get(target) {
+                morphs.set(name, 1.0);
+            }
+        }
+        Some(Face::Expression(expression)) => {
+            for bind in rig.expressions.get(expression).iter().flat_map(|expression| &expression.binds) {
+                if let Some(name) = rig.meshes.get(bind.mesh).and_then(|mesh| mesh.morph_names.get(bind.target)) {
+                    morphs.set(name, bind.weight);
+                }
+            }
+        }
+        None => {}
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_face_shows_each_target_and_then_each_expression() {
+        let (mut face, mut seen) = (None, vec![]);
+        for _ in 0..4 {
+            face = Face::after(face, 2, 1);
+            seen.push(face);
+        }
+        let expected = [Some(Face::Target(0)), Some(Face::Target(1)), Some(Face::Expression(0)), None];
+        assert_eq!(seen, expected);
+        assert_eq!(Face::after(None, 0, 0), None, "a model without a face shows none");
+    }
 
     #[test]
     fn stepping_leads_through_all_clips_and_round() {

@@ -17,6 +17,10 @@ pub(super) fn of(subject: &Subject) -> String {
         count(morphs, "morph target"),
         count(rig.clips.len(), "clip"),
     );
+    if !rig.expressions.is_empty() {
+        let names: Vec<_> = rig.expressions.iter().map(|expression| expression.name.as_str()).collect();
+        line(&mut text, &format!("  expressions: {}", names.join(", ")));
+    }
     for clip in &rig.clips {
         line(&mut text, &clip_line(clip));
     }

@@ -8,8 +8,8 @@ use gltf::json::{
 
 use super::error::RigError;
 
-/// Required extensions that leave joints, weights and keys readable. All `KHR_materials_*` and texture ones do, too.
-const HARMLESS: [&str; 3] = ["KHR_mesh_quantization", "KHR_lights_punctual", "VRMC_vrm"];
+/// Required extensions that leave joints, weights and keys readable. All `KHR_materials_*`, VRM and texture ones do, too.
+const HARMLESS: [&str; 2] = ["KHR_mesh_quantization", "KHR_lights_punctual"];
 
 /// A parsed file whose buffers may still lie elsewhere.
 pub(crate) struct Container {
@@ -123,7 +123,9 @@ fn check_attributes(json: &Root) -> Result<(), RigError> {
 }
 
 fn is_harmless(extension: &str) -> bool {
-    HARMLESS.contains(&extension) || extension.starts_with("KHR_materials_") || extension.contains("_texture_")
+    HARMLESS.contains(&extension)
+        || ["KHR_materials_", "VRM"].iter().any(|start| extension.starts_with(start))
+        || extension.contains("_texture_")
 }
 
 /// Required extensions are checked apart; bounds of positions are not needed here.

@@ -6,6 +6,7 @@ mod accessor;
 mod clips;
 pub(crate) mod container;
 pub mod error;
+mod expressions;
 mod influences;
 mod meshes;
 mod nodes;
@@ -41,6 +42,7 @@ impl Rig {
         let (meshes, vertices) = meshes::read(&source, &nodes, &mut skins, &mut notes)?;
         let curves = clips::read(&source, &nodes)?;
         let told_roles = vrm::roles(&container.json, &nodes);
+        let expressions = expressions::read(&container.json, &nodes, &meshes, &mut notes);
         let mut rig = Self {
             skeleton: nodes.skeleton,
             node_joints: nodes.joints,
@@ -50,6 +52,7 @@ impl Rig {
             joint_bounds: vertices.bounds,
             dominated: vertices.dominated,
             told_roles,
+            expressions,
             notes,
         };
         // A file that is no humanoid keeps glTF's own axes.

@@ -15,8 +15,9 @@ use super::ranges::{RangeError, Ranges};
 pub struct BlinkConfig {
     /// Whether they do. Default true.
     pub enabled: bool,
-    /// Names of the morph targets that shut the eyes. Default `None`: `blink`, `Fcl_EYE_Close`, `eyeBlinkLeft` with
-    /// `eyeBlinkRight`, or another common name; a model without one doesn't blink.
+    /// Names of the morph targets or expressions that shut the eyes. Default `None`: a VRM model's expression `blink`, else a
+    /// target called `blink`, `Fcl_EYE_Close`, `eyeBlinkLeft` with `eyeBlinkRight`, or another common name; a model without
+    /// one doesn't blink.
     pub targets: Option<Vec<String>>,
     /// Seconds from one blink to the next, on average. Default 3.5.
     ///
