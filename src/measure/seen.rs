@@ -39,7 +39,10 @@ impl Ticked {
         Self {
             grounded: last.grounded && now.grounded,
             holds: [0, 1].map(|side| last.holds[side].and(now.holds[side])),
-            missed: [0, 1].map(|side| last.missed[side].zip(now.missed[side]).map(|(last, now)| last.max(now))),
+            missed: [0, 1].map(|side| match (last.missed[side], now.missed[side]) {
+                (Some(last), Some(now)) => Some(last.max(now)),
+                (last, now) => last.or(now),
+            }),
         }
     }
 }

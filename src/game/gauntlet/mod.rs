@@ -87,7 +87,7 @@ const MANNEQUIN: &str = "mannequin.character.ron";
 
 /// Frames a second that `--frame-rates` compares with 60, and how often each plays a tape.
 const RATES: [f32; 2] = [30.0, 144.0];
-const STARTS: usize = 2;
+const STARTS: usize = 4;
 
 /// Runs what `options` ask for, with the mannequin of the folder `assets` unless they name another character.
 ///

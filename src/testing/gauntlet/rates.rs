@@ -5,10 +5,7 @@
 
 use bevy::prelude::*;
 
-use super::{
-    Course, Runner,
-    run::{SETTLING, each},
-};
+use super::{Course, Runner, run::each};
 use crate::{
     measure::{
         bars::Row,
@@ -25,6 +22,8 @@ const SHARE: f32 = 0.2;
 /// Share of its bar below which a difference of a measure can't be told: poses between two frames are blended, and what falls
 /// into one frame at one rate falls between two at another.
 const NOISE: f32 = 0.1;
+/// Seconds before a tape begins: whole frames at all rates, and within a tick, so that it is the same one at all of them.
+const SETTLING: f32 = 2.0 / 3.0;
 /// Seconds of the controller's ticks.
 const TICK: f32 = 1.0 / 64.0;
 

@@ -99,7 +99,7 @@ pub fn jobs(courses: &[Course], feet: &[Feet]) -> Vec<Job> {
 }
 
 /// Seconds of standing before the recording.
-pub(super) const SETTLING: f32 = 0.5;
+const SETTLING: f32 = 0.5;
 
 /// Runs all jobs on all cores; `done` hears of each as it ends. Rows come in the order of `jobs`.
 ///
