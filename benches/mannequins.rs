@@ -127,9 +127,7 @@ fn palettes(
     let Some(skin) = rig.skins.first() else { return };
     palettes.0.resize(poses.iter().len() * skin.joints.len(), JointMatrix::IDENTITY);
     for (pose, out) in poses.iter().zip(palettes.0.chunks_mut(skin.joints.len())) {
-        for (matrix, model_from_mesh) in out.iter_mut().zip(skin.palette(&pose.pose)) {
-            *matrix = model_from_mesh.into();
-        }
+        skin.write_palette(&pose.pose, out);
     }
     black_box(&palettes.0);
 }

@@ -117,7 +117,7 @@ impl Pose {
     /// Model matrix of `joint` alone, from its local transform and its parent's matrix.
     pub fn update_joint(&mut self, skeleton: &Skeleton, joint: JointIndex) {
         let above = skeleton.parent(joint).map_or(skeleton.model_from_root, |parent| self.model[parent.index()]);
-        self.model[joint.index()] = above * self.local[joint.index()].to_affine();
+        self.model[joint.index()] = self.local[joint.index()].below(&above);
     }
 
     /// Turns `joint` by `rotation_model` (model space, about the joint) in place of its local rotation.
@@ -152,8 +152,8 @@ impl Pose {
         debug_assert_eq!(self.local.len(), skeleton.len(), "a pose belongs to the skeleton it was made for");
         let parents = skeleton.parents();
         for index in joints {
-            let above = parents[index].map_or(skeleton.model_from_root, |p| self.model[p.index()]);
-            self.model[index] = above * self.local[index].to_affine();
+            let above = parents[index].map_or(&skeleton.model_from_root, |p| &self.model[p.index()]);
+            self.model[index] = self.local[index].below(above);
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Reads vertices of a mesh (the file's space, metres), writes them in model space. A palette holds
 //! `model_from_joint * inverse_bind` per slot, so one product takes a vertex from the mesh to the posed model.
 
-use bevy::math::{Affine3A, Mat3A, Vec3, Vec3A, Vec4};
+use bevy::math::{Affine3A, Mat3A, Mat4, Vec3, Vec3A, Vec4};
 use bytemuck::{Pod, Zeroable};
 
 use super::{pose::Pose, skeleton::JointIndex};
@@ -19,9 +19,32 @@ pub struct JointMatrix(pub [[f32; 4]; 3]);
 impl JointMatrix {
     /// Moves nothing.
     pub const IDENTITY: Self = Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+
+    /// `left * right`, row by row: their own rows are what is written, so nothing is turned round afterwards.
+    #[inline]
+    fn product(left: &Affine3A, right: &Affine3A) -> Self {
+        let (axes, at) = (left.matrix3, left.translation);
+        let columns = Mat4::from_cols(
+            Vec4::from((right.matrix3.x_axis, 0.0)),
+            Vec4::from((right.matrix3.y_axis, 0.0)),
+            Vec4::from((right.matrix3.z_axis, 0.0)),
+            Vec4::from((right.translation, 0.0)),
+        );
+        let rows = columns.transpose();
+        let row = |x: f32, y: f32, z: f32, w: f32| {
+            let turned = rows.x_axis * x + rows.y_axis * y + rows.z_axis * z;
+            (turned + Vec4::new(0.0, 0.0, 0.0, w)).to_array()
+        };
+        Self([
+            row(axes.x_axis.x, axes.y_axis.x, axes.z_axis.x, at.x),
+            row(axes.x_axis.y, axes.y_axis.y, axes.z_axis.y, at.y),
+            row(axes.x_axis.z, axes.y_axis.z, axes.z_axis.z, at.z),
+        ])
+    }
 }
 
 impl From<Affine3A> for JointMatrix {
+    #[inline]
     fn from(matrix: Affine3A) -> Self {
         let (m, t) = (matrix.matrix3.transpose(), matrix.translation);
         Self([m.x_axis.extend(t.x).to_array(), m.y_axis.extend(t.y).to_array(), m.z_axis.extend(t.z).to_array()])
@@ -47,6 +70,16 @@ impl Skin {
                 .get(joint.index())
                 .map_or(Affine3A::IDENTITY, |model_from_joint| *model_from_joint * *inverse_bind)
         })
+    }
+
+    /// Writes the same as rows, the way the GPU takes them, to the last bit; as many slots as `out` has room for.
+    pub fn write_palette(&self, pose: &Pose, out: &mut [JointMatrix]) {
+        let models = pose.models();
+        for ((matrix, joint), bind) in out.iter_mut().zip(&self.joints).zip(&self.inverse_bind) {
+            *matrix = models
+                .get(joint.index())
+                .map_or(JointMatrix::IDENTITY, |model_from_joint| JointMatrix::product(model_from_joint, bind));
+        }
     }
 }
 
@@ -171,6 +204,7 @@ pub fn morphed(vertex: SkinVertex, targets: impl IntoIterator<Item = (f32, Morph
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::anim::skeleton::{JointTransform, Skeleton};
     use bevy::math::Quat;
     use proptest::prelude::*;
 
@@ -178,6 +212,28 @@ mod tests {
         SkinVertex { position: Vec3::new(0.0, 2.0, 0.0), normal: Vec3::Y, tangent: Vec4::new(1.0, 0.0, 0.0, -1.0) };
 
     proptest! {
+        #[test]
+        fn a_palette_written_in_rows_is_that_of_matrices(
+            turns in prop::array::uniform4(prop::array::uniform3(-3.0f32..3.0)), scale in prop::array::uniform3(-2.0f32..2.0),
+        ) {
+            let turned = |turn: usize, at: Vec3| JointTransform {
+                translation: at,
+                rotation: Quat::from_scaled_axis(turns[turn].into()),
+                scale: Vec3::from(scale),
+            };
+            let joints = [
+                ("hips".to_owned(), None, turned(0, Vec3::new(0.3, 1.0, -0.2))),
+                ("head".to_owned(), Some(JointIndex(0)), turned(1, Vec3::Y)),
+            ];
+            let pose = Pose::rest(&Skeleton::new(joints, Affine3A::IDENTITY).unwrap());
+            let inverse_bind = [2, 3, 2].map(|turn| turned(turn, Vec3::X).to_affine()).to_vec();
+            let skin = Skin { joints: [1, 0, 7].map(JointIndex).to_vec(), inverse_bind };
+            let mut rows = [JointMatrix::IDENTITY; 3];
+            skin.write_palette(&pose, &mut rows);
+            let matrices = skin.palette(&pose).map(JointMatrix::from).collect::<Vec<_>>();
+            prop_assert_eq!(&rows[..], &matrices[..]);
+        }
+
         #[test]
         fn quantized_weights_sum_to_one_and_are_off_by_a_step_at_most(weights in prop::array::uniform4(0.0f32..10.0)) {
             prop_assume!(weights.iter().sum::<f32>() > 1e-3);

@@ -178,9 +178,8 @@ pub(super) fn update_palettes(
 fn write_palette(part: ModelPart, rig: &Rig, pose: &Pose, matrices: &mut [JointMatrix]) {
     match part {
         ModelPart::Skin(skin) => {
-            let Some(skin) = rig.skins.get(skin) else { return };
-            for (matrix, model_from_mesh) in matrices.iter_mut().zip(skin.palette(pose)) {
-                *matrix = model_from_mesh.into();
+            if let Some(skin) = rig.skins.get(skin) {
+                skin.write_palette(pose, matrices);
             }
         }
         ModelPart::Joint(joint) => {
