@@ -10,7 +10,7 @@ use crate::{
     anim::{
         ik::two_bone::{self, Extension, Limb},
         leg::Leg,
-        pose::{Pose, rotation_of},
+        pose::Pose,
         skeleton::{JointIndex, Skeleton},
     },
     math::rotation::{direction_or, from_scaled_axis},
@@ -55,11 +55,16 @@ pub fn place_leg(
     };
     let solution = two_bone::solve(&limb, ankle_model, extension);
     let parent = pose.parent_rotation(skeleton, joints.upper);
-    let upper = solution.upper_delta * pose.rotation(joints.upper);
-    let lower = solution.lower_delta * pose.rotation(joints.lower);
+    // Rotations in model space follow the local ones: what scales may lie above is in `parent` already.
+    let upper_before = parent * pose.local(joints.upper).rotation;
+    let to_knee = turn_between(pose, skeleton, joints.upper, joints.lower);
+    let to_ankle = turn_between(pose, skeleton, joints.lower, joints.foot);
+    let lower_before = upper_before * to_knee * pose.local(joints.lower).rotation;
+    let upper = solution.upper_delta * upper_before;
+    let lower = solution.lower_delta * lower_before;
     set_rotation(pose, joints.upper, parent, upper);
-    set_rotation(pose, joints.lower, upper_frame(skeleton, pose, joints.lower, joints.upper, upper), lower);
-    set_rotation(pose, joints.foot, upper_frame(skeleton, pose, joints.foot, joints.lower, lower), foot_rotation);
+    set_rotation(pose, joints.lower, upper * to_knee, lower);
+    set_rotation(pose, joints.foot, lower * to_ankle, foot_rotation);
     pose.update_model_below(skeleton, joints.upper);
     let length = limb.root.distance(limb.middle) + limb.middle.distance(limb.end);
     LegResult {
@@ -181,16 +186,15 @@ fn set_rotation(pose: &mut Pose, joint: JointIndex, parent_rotation: Quat, rotat
     }
 }
 
-/// Rotation of `joint`'s parent once `turned` (its limb's joint above) has rotation `rotation`; twist joints between the
-/// two keep their local rotations.
-fn upper_frame(skeleton: &Skeleton, pose: &Pose, joint: JointIndex, turned: JointIndex, rotation: Quat) -> Quat {
-    match skeleton.parent(joint) {
-        Some(parent) if parent != turned => {
-            let between = rotation_of(&(pose.model(turned).inverse() * pose.model(parent)));
-            rotation * between
-        }
-        _ => rotation,
+/// What twist joints between `above` and `below`, a joint further down the limb, turn.
+fn turn_between(pose: &Pose, skeleton: &Skeleton, above: JointIndex, below: JointIndex) -> Quat {
+    let mut turn = Quat::IDENTITY;
+    let mut walk = skeleton.parent(below);
+    while let Some(joint) = walk.filter(|joint| *joint != above) {
+        turn = pose.local(joint).rotation * turn;
+        walk = skeleton.parent(joint);
     }
+    turn
 }
 
 #[cfg(test)]

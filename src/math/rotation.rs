@@ -31,6 +31,13 @@ pub fn any_perpendicular(axis: Vec3) -> Vec3 {
 #[must_use]
 pub fn shortest_arc(from: Vec3, to: Vec3) -> Quat {
     let (Some(from), Some(to)) = (direction(from), direction(to)) else { return Quat::IDENTITY };
+    shortest_arc_between_units(from, to)
+}
+
+/// As [`shortest_arc`], for vectors that are one long.
+#[must_use]
+#[inline]
+pub fn shortest_arc_between_units(from: Vec3, to: Vec3) -> Quat {
     let cos = from.dot(to);
     if cos < -0.999_999 {
         let axis = any_perpendicular(from);

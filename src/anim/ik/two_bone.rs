@@ -4,12 +4,15 @@
 
 use bevy::math::{Quat, Vec3, ops};
 
-use crate::math::rotation::{any_perpendicular, direction, direction_or, shortest_arc};
+use crate::math::rotation::{any_perpendicular, direction, direction_or, shortest_arc_between_units};
 
 /// Shortest bone in metres that still has a direction.
 pub(in crate::anim) const SHORTEST_BONE: f32 = 1e-4;
 /// Sine of the bend below which a limb counts as straight and its bend plane comes from the pole.
 pub(in crate::anim) const STRAIGHT: f32 = 0.01;
+
+/// Metres from the root within which a target lies in no direction.
+const NOWHERE: f32 = 1e-8;
 
 /// A limb as the clip left it: hip, knee, ankle of a leg, or shoulder, elbow, wrist of an arm.
 #[derive(Clone, Copy, Debug)]
@@ -73,19 +76,19 @@ pub fn solve(limb: &Limb, target: Vec3, extension: Extension) -> Solution {
         return unsolved;
     }
     let wanted = target - limb.root;
-    let reach = soften(wanted.length(), a + b, extension).max((a - b).abs() + SHORTEST_BONE);
-    let animated = limb.end - limb.root;
-    let old_axis = direction(animated).unwrap_or_else(|| direction_or(upper, Vec3::NEG_Y));
-    let new_axis = direction_or(wanted, old_axis);
-    let swing = shortest_arc(old_axis, new_axis);
-    let bend = swing * bend_direction(limb, old_axis);
-    let bend = direction(bend - new_axis * bend.dot(new_axis)).unwrap_or_else(|| any_perpendicular(new_axis));
+    let distance = wanted.length();
+    let reach = soften(distance, a + b, extension).max((a - b).abs() + SHORTEST_BONE);
+    let old_axis = direction(limb.end - limb.root).unwrap_or(upper / a);
+    let new_axis = if distance > NOWHERE { wanted / distance } else { old_axis };
+    let swing = shortest_arc_between_units(old_axis, new_axis);
+    // At right angles to the new axis, as it was to the old one.
+    let bend = swing * bend_direction(limb, upper / a, old_axis);
     let cos = ((a * a + reach * reach - b * b) / (2.0 * a * reach)).clamp(-1.0, 1.0);
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
-    let middle = limb.root + new_axis * (a * cos) + bend * (a * sin);
-    let end = limb.root + new_axis * reach;
-    let upper_delta = shortest_arc(swing * upper, middle - limb.root) * swing;
-    let lower_delta = shortest_arc(swing * lower, end - middle) * swing;
+    let (new_upper, end) = (new_axis * cos + bend * sin, limb.root + new_axis * reach);
+    let middle = limb.root + new_upper * a;
+    let upper_delta = shortest_arc_between_units(swing * (upper / a), new_upper) * swing;
+    let lower_delta = shortest_arc_between_units(swing * (lower / b), (end - middle) / b) * swing;
     Solution { upper_delta, lower_delta, middle, end, missed: end.distance(target) }
 }
 
@@ -110,17 +113,17 @@ pub fn bend_angle(root: Vec3, middle: Vec3, end: Vec3) -> f32 {
     ops::acos(upper.dot(lower).clamp(-1.0, 1.0))
 }
 
-/// Unit direction from the reach axis toward the middle joint; the pole's where the limb is straight.
-fn bend_direction(limb: &Limb, axis: Vec3) -> Vec3 {
-    let upper = limb.middle - limb.root;
+/// Unit direction from the reach axis toward the middle joint, at right angles to the axis; the pole's where the limb is
+/// straight. `upper` is the upper bone's direction.
+fn bend_direction(limb: &Limb, upper: Vec3, axis: Vec3) -> Vec3 {
     let off_axis = upper - axis * upper.dot(axis);
-    let sine = off_axis.length() / upper.length();
+    let sine = off_axis.length();
     // Between straight and clearly bent the pole hands over to the animated plane.
     let share = ((sine / STRAIGHT) - 1.0).clamp(0.0, 1.0);
-    let bent = direction(off_axis);
-    if let (Some(bent), true) = (bent, share >= 1.0) {
-        return bent;
+    if share >= 1.0 {
+        return off_axis / sine;
     }
+    let bent = direction(off_axis);
     let pole = direction(limb.pole - axis * limb.pole.dot(axis)).unwrap_or_else(|| any_perpendicular(axis));
     let bent = bent.unwrap_or(pole);
     direction_or(pole * (1.0 - share) + bent * share, bent)
