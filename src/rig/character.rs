@@ -17,7 +17,7 @@ use super::{
     own_clips::{self, OwnClip},
     retarget::{Source, Target},
     standard_clips,
-    trunk::trunk,
+    trunk::{chains, trunk},
     tuning::{
         foot_ik::TUNED_LEG,
         locomotion::{Pace, StateConfig},
@@ -26,6 +26,7 @@ use super::{
     },
 };
 use crate::anim::{
+    block::ClipSet,
     clip::Clip,
     gait::Gait,
     leg::Leg,
@@ -64,6 +65,8 @@ pub struct CharacterAsset {
     /// Morph targets that shut the eyes.
     pub blink_targets: Vec<ExpressionBind>,
     clips: Vec<CharacterClip>,
+    /// The same clips as rows, to be blended in one pass; it watches the joints that feet hang on.
+    pub rows: Arc<ClipSet>,
     actions: Vec<CharacterAction>,
 }
 
@@ -184,6 +187,7 @@ impl CharacterAsset {
             own_clips: Vec::new(),
             blink_targets: Vec::new(),
             clips: Vec::new(),
+            rows: Arc::default(),
             actions: Vec::new(),
             humanoid,
             file,
@@ -194,6 +198,8 @@ impl CharacterAsset {
         asset.add_standard_clips();
         asset.complete_states()?;
         asset.actions = actions::resolve(&asset)?;
+        let above_feet = chains(&asset.skeleton, asset.legs.iter().map(|leg| leg.foot));
+        asset.rows = Arc::new(ClipSet::new(&asset.skeleton, asset.clips.iter().map(|clip| &*clip.clip), above_feet));
         Ok(asset)
     }
 
@@ -219,13 +225,6 @@ impl CharacterAsset {
     #[must_use]
     pub fn clip_index(&self, name: &str) -> Option<usize> {
         self.clips.iter().position(|clip| clip.name == name)
-    }
-
-    /// Angular speed in rad/s of a leg that makes a step by itself: half the largest of the slowest gait; 0 without gaits.
-    #[must_use]
-    pub fn step_speed(&self) -> f32 {
-        let gaits = self.clips.iter().map(|clip| &clip.gait).filter(|gait| gait.speed > 0.0);
-        gaits.min_by(|a, b| a.speed.total_cmp(&b.speed)).map_or(0.0, |gait| 0.5 * gait.leg_speed)
     }
 
     fn target(&self) -> Target<'_> {

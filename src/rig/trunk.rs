@@ -25,5 +25,12 @@ pub(super) fn trunk(skeleton: &Skeleton, humanoid: &Humanoid, legs: &[Leg; 2]) -
         ends.extend(leg.sole().map(|point| point.joint));
         ends.extend(leg.toes);
     }
+    chains(skeleton, ends)
+}
+
+/// `ends` and all joints above them; parents first.
+#[must_use]
+pub(super) fn chains(skeleton: &Skeleton, ends: impl IntoIterator<Item = JointIndex>) -> Vec<JointIndex> {
+    let ends: Vec<JointIndex> = ends.into_iter().collect();
     skeleton.joints().filter(|&joint| ends.iter().any(|&end| skeleton.is_below(end, joint))).collect()
 }

@@ -53,6 +53,12 @@ impl Frame {
 }
 
 impl Frames {
+    /// Those between which rotations are what they are in their parents' spaces.
+    pub(super) fn none(skeleton: &Skeleton) -> Self {
+        let root = Frame { turn: Quat::IDENTITY, scale: 1.0 };
+        Self { joints: vec![root; skeleton.len()], root, parents: skeleton.parents().to_vec() }
+    }
+
     pub(super) fn new(skeleton: &Skeleton, skin: &Skin) -> Self {
         let rest = Pose::rest(skeleton);
         let mut bind = rest.models().to_vec();

@@ -21,6 +21,7 @@ mod channels;
 mod frames;
 mod lanes;
 mod limb;
+mod locals;
 mod model;
 mod palette;
 mod rows;
@@ -32,6 +33,7 @@ use fearless_simd::{Level, Simd, dispatch};
 
 use super::skin::JointMatrix;
 use lanes::{LANES, Row};
+pub use locals::{ClipSet, LocalWorkspace};
 use model::{JointRows, Lanes};
 pub use rows::{Precision, RowSource, Rows, RowsReport};
 pub use species::{LimbJoints, Species, SpeciesError, SpeciesParts};
@@ -154,12 +156,12 @@ impl Workspace {
     }
 
     fn fit(&mut self, species: &Species) {
-        let width = species.channels.width();
+        let (width, channels) = (species.tracks.channels.width(), &species.tracks.channels);
         let grow = |rows: &mut Vec<Row>, len: usize| rows.resize(rows.len().max(len), [0.0; LANES]);
         grow(&mut self.layer, width);
         grow(&mut self.poses, width * LANES);
-        grow(&mut self.lanes.numbers, (width - species.channels.translation_start()) * LANES);
-        let turns = self.lanes.turns.len().max(species.channels.tiles() * LANES);
+        grow(&mut self.lanes.numbers, (width - channels.translation_start()) * LANES);
+        let turns = self.lanes.turns.len().max(channels.tiles() * LANES);
         self.lanes.turns.resize(turns, Default::default());
         let joints = self.joints.len().max(species.joint_count() + 1);
         self.joints.resize(joints, JointRows::default());
@@ -197,16 +199,16 @@ fn run<S: Simd>(
 ) {
     work.fit(species);
     model::place_roots(simd, species, &mut work.joints);
-    let width = species.channels.width();
+    let (tracks, width) = (&species.tracks, species.tracks.channels.width());
     for block in actors.chunks(LANES) {
         for (actor, pose) in block.iter().zip(work.poses.chunks_mut(width.max(1))) {
-            work.plan.make(species, actor);
-            sample::sample(simd, species, &work.plan, &mut work.layer[..width], &mut pose[..width]);
+            work.plan.make(tracks, actor.layers);
+            sample::sample(simd, tracks, &work.plan, &mut work.layer[..width], &mut pose[..width]);
         }
         if until == Until::Sampled {
             continue;
         }
-        sample::transpose_rows(simd, species, &work.poses, &mut work.lanes.turns, &mut work.lanes.numbers);
+        sample::transpose_rows(simd, tracks, &work.poses, &mut work.lanes.turns, &mut work.lanes.numbers);
         let reaching = if until == Until::Modelled { &[] } else { block };
         model::place_joints(simd, species, &work.lanes, &mut work.joints, reaching);
         if until == Until::Written {

@@ -123,7 +123,7 @@ fn local<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint) -> M
 #[inline(always)]
 fn translation<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint) -> Vec3s<S> {
     match joint.translation {
-        Track::Moving(place) => vector(simd, lanes, place, species.channels.translations.len()),
+        Track::Moving(place) => vector(simd, lanes, place, species.tracks.channels.translations.len()),
         Track::Still(translation) => Vec3s::splat(simd, translation),
         Track::Identity => Vec3s::splat(simd, [0.0; 3]),
     }
@@ -132,7 +132,7 @@ fn translation<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint
 /// Scale along a joint's own axes, as a matrix between frames.
 #[inline(always)]
 fn scale<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint, place: usize) -> Mat3s<S> {
-    let scale = vector(simd, lanes, place, species.channels.scales.len());
+    let scale = vector(simd, lanes, place, species.tracks.channels.scales.len());
     let [xx, yy, zz, xy, xz, yz] = joint.scale_parts;
     let (xy, xz, yz) = (part(simd, scale, xy), part(simd, scale, xz), part(simd, scale, yz));
     Mat3s([

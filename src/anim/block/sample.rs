@@ -6,13 +6,13 @@
 use fearless_simd::{Simd, f32x4, prelude::*};
 
 use super::{
-    Actor, LayerMode, Play,
+    Layer, LayerMode, Play,
     lanes::{
         Floats, LANES, Quats, Row, four, inverse_length_between_units, load, load_shorts, select, splat, store,
         transpose,
     },
     rows::{FloatRows, RowData, Rows, ShortRows},
-    species::Species,
+    species::Tracks,
 };
 
 /// What to sample for one character, in order.
@@ -53,24 +53,24 @@ impl Pass {
 }
 
 impl Plan {
-    pub(super) fn make(&mut self, species: &Species, actor: &Actor) {
+    pub(super) fn make(&mut self, tracks: &Tracks, layers: &[Layer]) {
         self.spans.clear();
         self.passes.clear();
-        for layer in actor.layers {
-            let heard = |play: &&Play| play.weight > 0.0 && play.clip < species.clips.len();
+        for layer in layers {
+            let heard = |play: &&Play| play.weight > 0.0 && play.clip < tracks.clips.len();
             let total: f32 = layer.clips.iter().filter(heard).map(|play| play.weight).sum();
             if total <= 0.0 || layer.weight.is_nan() || layer.weight <= 0.0 {
                 continue;
             }
             let first = self.spans.len();
             for play in layer.clips.iter().filter(heard) {
-                let rows = &species.clips[play.clip];
+                let rows = &tracks.clips[play.clip];
                 if rows.count > 0 {
                     let (first, second, blend) = rows.span(play.time);
                     self.spans.push(Span { clip: play.clip, first, second, blend, weight: play.weight / total });
                 }
             }
-            let mask = layer.mask.filter(|mask| *mask < species.masks.len());
+            let mask = layer.mask.filter(|mask| *mask < tracks.masks.len());
             if first < self.spans.len() {
                 let weight = layer.weight.min(1.0);
                 self.passes.push(Pass { mode: layer.mode, weight, mask, first, end: self.spans.len() });
@@ -81,7 +81,7 @@ impl Plan {
 
 impl Rows {
     /// The frames around `time` seconds and the way between them; as [`Clip::span`](crate::anim::clip::Clip::span).
-    fn span(&self, time: f32) -> (usize, usize, f32) {
+    pub(super) fn span(&self, time: f32) -> (usize, usize, f32) {
         let inside = (0.0..=self.duration).contains(&time);
         let time = match () {
             () if inside => time,
@@ -97,17 +97,17 @@ impl Rows {
 
 /// Writes the row of one character. `layer` is scratch memory.
 #[inline(always)]
-pub(super) fn sample<S: Simd>(simd: S, species: &Species, plan: &Plan, layer: &mut [Row], out: &mut [Row]) {
+pub(super) fn sample<S: Simd>(simd: S, tracks: &Tracks, plan: &Plan, layer: &mut [Row], out: &mut [Row]) {
     if !plan.passes.first().is_some_and(Pass::hides) {
-        out.copy_from_slice(&species.channels.rest);
+        out.copy_from_slice(&tracks.channels.rest);
     }
     for pass in &plan.passes {
-        if pass.hides() && cross_fade(simd, species, &plan.spans[pass.first..pass.end], out) {
+        if pass.hides() && cross_fade(simd, tracks, &plan.spans[pass.first..pass.end], out) {
             continue;
         }
         for (index, span) in plan.spans[pass.first..pass.end].iter().enumerate() {
-            let tiles = species.channels.tiles();
-            match &species.clips[span.clip].data {
+            let tiles = tracks.channels.tiles();
+            match &tracks.clips[span.clip].data {
                 RowData::Float(rows) => {
                     let frame = |frame| FloatFrame::of(rows, frame, tiles);
                     add_or_begin(simd, index == 0, [frame(span.first), frame(span.second)], span, tiles, layer);
@@ -122,19 +122,19 @@ pub(super) fn sample<S: Simd>(simd: S, species: &Species, plan: &Plan, layer: &m
                 }
             }
         }
-        lay(simd, species, pass, layer, out);
+        lay(simd, tracks, pass, layer, out);
     }
 }
 
 /// The common case in one go: two clips in floats and nothing below. Whether it was one.
 #[inline(always)]
-fn cross_fade<S: Simd>(simd: S, species: &Species, spans: &[Span], out: &mut [Row]) -> bool {
+fn cross_fade<S: Simd>(simd: S, tracks: &Tracks, spans: &[Span], out: &mut [Row]) -> bool {
     let [a, b] = spans else { return false };
-    let (RowData::Float(rows_a), RowData::Float(rows_b)) = (&species.clips[a.clip].data, &species.clips[b.clip].data)
+    let (RowData::Float(rows_a), RowData::Float(rows_b)) = (&tracks.clips[a.clip].data, &tracks.clips[b.clip].data)
     else {
         return false;
     };
-    let tiles = species.channels.tiles();
+    let tiles = tracks.channels.tiles();
     let (from_a, to_a) = (FloatFrame::of(rows_a, a.first, tiles), FloatFrame::of(rows_a, a.second, tiles));
     let (from_b, to_b) = (FloatFrame::of(rows_b, b.first, tiles), FloatFrame::of(rows_b, b.second, tiles));
     let (blend_a, blend_b) = (splat(simd, a.blend), splat(simd, b.blend));
@@ -267,11 +267,11 @@ fn add<S: Simd, F: Frame, const FIRST: bool>(simd: S, frames: [F; 2], span: &Spa
 
 /// Lays a layer's sum on the pose below.
 #[inline(always)]
-fn lay<S: Simd>(simd: S, species: &Species, pass: &Pass, layer: &[Row], out: &mut [Row]) {
-    let (tiles, scales) = (species.channels.tiles(), species.channels.scale_start());
+fn lay<S: Simd>(simd: S, tracks: &Tracks, pass: &Pass, layer: &[Row], out: &mut [Row]) {
+    let (tiles, scales) = (tracks.channels.tiles(), tracks.channels.scale_start());
     let (layer_turns, layer_numbers) = layer.split_at(4 * tiles);
     let (turns, numbers) = out.split_at_mut(4 * tiles);
-    let mask = pass.mask.map(|mask| species.masks[mask].split_at(tiles));
+    let mask = pass.mask.map(|mask| tracks.masks[mask].split_at(tiles));
     let (one, weight) = (splat(simd, 1.0), splat(simd, pass.weight));
     for (tile, (pose, layer)) in turns.as_chunks_mut::<4>().0.iter_mut().zip(layer_turns.as_chunks::<4>().0).enumerate()
     {
@@ -322,12 +322,12 @@ fn near<S: Simd>(simd: S, from: Quats<S>, to: Quats<S>, share: Floats<S>) -> Qua
 #[inline(always)]
 pub(super) fn transpose_rows<S: Simd>(
     simd: S,
-    species: &Species,
+    tracks: &Tracks,
     poses: &[Row],
     turns: &mut [[Row; 4]],
     numbers: &mut [Row],
 ) {
-    let (tiles, width) = (species.channels.tiles(), species.channels.width());
+    let (tiles, width) = (tracks.channels.tiles(), tracks.channels.width());
     for (tile, turns) in turns.as_chunks_mut::<LANES>().0.iter_mut().take(tiles).enumerate() {
         for (part, vector) in (4 * tile..4 * tile + 4).enumerate() {
             for (first, half) in [(0, 0), (0, 1), (4, 0), (4, 1)] {

@@ -97,10 +97,16 @@ pub struct Species {
     pub(super) joints: Vec<Joint>,
     pub(super) slots: Vec<Slot>,
     pub(super) limbs: Vec<Limb>,
+    pub(super) tracks: Tracks,
+    frames: Frames,
+}
+
+/// What sampling reads: clips in rows, and masks in the order of their numbers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tracks {
     pub(super) channels: Channels,
     pub(super) clips: Vec<Rows>,
     pub(super) masks: Vec<Vec<Row>>,
-    frames: Frames,
 }
 
 /// Constants of a joint.
@@ -175,14 +181,13 @@ impl Species {
         }
         let slots = parts.skin.joints.iter().zip(&parts.skin.inverse_bind);
         let clips = parts.clips.iter().map(|source| Rows::new(skeleton, &frames, &channels, source)).collect();
+        let masks = parts.masks.iter().map(|mask| channels.mask_row(mask)).collect();
         Ok(Self {
             above_roots: rows_with(root_turn, root.translation.into()),
             joints,
             slots: slots.map(|(joint, inverse)| Slot::new(&frames, *joint, inverse)).collect(),
             limbs,
-            clips,
-            masks: parts.masks.iter().map(|mask| channels.mask_row(mask)).collect(),
-            channels,
+            tracks: Tracks { channels, clips, masks },
             frames,
         })
     }
@@ -202,12 +207,12 @@ impl Species {
     /// The clips, in the order they were given.
     #[must_use]
     pub fn clips(&self) -> &[Rows] {
-        &self.clips
+        &self.tracks.clips
     }
 
     /// Writes every joint of a clip's frame in its parent's space, as the kernels read it. Slow: for checks.
     pub fn frame_of_clip(&self, skeleton: &Skeleton, clip: usize, frame: usize, out: &mut [JointTransform]) {
-        self.clips[clip].frame(skeleton, &self.frames, &self.channels, frame, out);
+        self.tracks.clips[clip].frame(skeleton, &self.frames, &self.tracks.channels, frame, out);
     }
 }
 

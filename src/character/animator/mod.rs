@@ -20,7 +20,7 @@ use super::{
     bind::CharacterAssets,
     detail::Pacing,
     legs::keep_bent,
-    locomotion::Locomotion,
+    locomotion::{Locomotion, Playing},
     schedule::{PoseClock, PoseSystems},
 };
 use feet::BlendedFeet;
@@ -28,6 +28,7 @@ use feet::BlendedFeet;
 use crate::{
     anim::{
         blend::Accumulator,
+        block::{LocalWorkspace, Play},
         inertialize::Inertializer,
         pose::Pose,
         skeleton::{JointTransform, Skeleton},
@@ -57,34 +58,43 @@ impl CharacterPose {
 
     /// The pose of what plays, without a past.
     pub(super) fn begin(&mut self, asset: &CharacterAsset, locomotion: &Locomotion) {
-        self.animate(asset, locomotion, &mut Vec::new(), 0.0);
+        self.animate(asset, locomotion, &mut Scratch::default(), 0.0);
         self.pose.update_model(&asset.skeleton);
     }
 
-    /// Blends all clips that play into the local pose, and finds where the feet are in them; false where no foot is to be put
-    /// right.
-    fn blend(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Vec<JointTransform>) -> bool {
-        scratch.resize(asset.skeleton.len(), JointTransform::IDENTITY);
+    /// Samples all clips that play into the local pose, and finds where the feet are in each; false where no foot is to be put
+    /// right. `None` where nothing plays.
+    fn sample(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Scratch) -> Option<bool> {
+        let Scratch { sampled, plays, work } = scratch;
+        plays.clear();
+        plays.extend(locomotion.playing(asset).map(|Playing { index: clip, time, weight, .. }| Play {
+            clip,
+            time,
+            weight,
+        }));
+        sampled.resize(asset.skeleton.len(), JointTransform::IDENTITY);
+        let whole = asset.rows.sample(plays, work, self.pose.locals_mut());
+        if let [only] = plays[..] {
+            if !whole {
+                asset.clips().get(only.clip)?.clip.sample(&asset.skeleton, only.time, self.pose.locals_mut());
+            }
+            return Some(false);
+        }
+        plays.first()?;
         let mut blend = Accumulator::new(self.pose.locals_mut());
         let mut feet = self.feet.start();
         for playing in locomotion.playing(asset) {
-            playing.clip.clip.sample(&asset.skeleton, playing.time, scratch);
-            blend.add(scratch, playing.weight);
-            feet.add(&feet::ankles(scratch, &asset.skeleton, &asset.legs), playing.weight);
+            if !(whole && asset.rows.sample_watched(playing.index, playing.time, sampled)) {
+                playing.clip.clip.sample(&asset.skeleton, playing.time, sampled);
+                blend.add(sampled, playing.weight);
+            }
+            feet.add(&feet::ankles(sampled, &asset.skeleton, &asset.legs), playing.weight);
         }
-        blend.finish() && feet.finish()
+        Some((whole || blend.finish()) && feet.finish())
     }
 
-    fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Vec<JointTransform>, dt: f32) {
-        let mut playing = locomotion.playing(asset);
-        let corrects = match (playing.next(), playing.next()) {
-            (None, _) => return,
-            (Some(only), None) => {
-                only.clip.clip.sample(&asset.skeleton, only.time, self.pose.locals_mut());
-                false
-            }
-            _ => self.blend(asset, locomotion, scratch),
-        };
+    fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Scratch, dt: f32) {
+        let Some(corrects) = self.sample(asset, locomotion, scratch) else { return };
         let blended = corrects.then(|| feet::ankles(self.pose.locals(), &asset.skeleton, &asset.legs));
         if let Some(taken) = locomotion.taken.filter(|taken| taken.blend != TransitionBlend::CrossFade) {
             self.inertializer.begin(self.pose.locals(), taken.fade, taken.blend == TransitionBlend::Burst);
@@ -101,6 +111,14 @@ impl CharacterPose {
         }
         self.inertializer.record(self.pose.locals(), dt);
     }
+}
+
+/// Memory of one thread for sampling.
+#[derive(Default)]
+struct Scratch {
+    sampled: Vec<JointTransform>,
+    plays: Vec<Play>,
+    work: LocalWorkspace,
 }
 
 /// Samples and blends clips, lays actions over them, leans the body and shuts the eyes now and then.
@@ -131,15 +149,15 @@ fn complete(assets: CharacterAssets, mut characters: Query<(&Character, Option<&
 fn animate(
     clock: Res<PoseClock>,
     assets: CharacterAssets,
-    sampled: Local<Parallel<Vec<JointTransform>>>,
+    scratch: Local<Parallel<Scratch>>,
     mut characters: Query<(&Character, &Locomotion, Option<&Pacing>, &mut CharacterPose)>,
 ) {
     let dt = clock.delta_secs();
     characters.par_iter_mut().for_each_init(
-        || sampled.borrow_local_mut(),
-        |sampled, (character, locomotion, pacing, mut pose)| {
+        || scratch.borrow_local_mut(),
+        |scratch, (character, locomotion, pacing, mut pose)| {
             if let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) {
-                pose.animate(asset, locomotion, sampled, dt);
+                pose.animate(asset, locomotion, scratch, dt);
             }
         },
     );

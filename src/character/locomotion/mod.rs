@@ -33,7 +33,7 @@ use crate::{
     rig::character::{CharacterAsset, CharacterClip},
 };
 
-/// Share of the slowest gait's liveliness that a step of a foot by itself has.
+/// Share of the slowest gait's liveliness and speed that a step of a foot by itself has.
 const STEP: f32 = 0.5;
 
 /// What plays: the state machine and what follows from it.
@@ -46,8 +46,8 @@ pub struct Locomotion {
     /// The transition taken in this frame.
     pub taken: Option<Taken>,
     tracks: Arc<[Track]>,
-    /// How lively the slowest gait is.
-    slowest: Liveliness,
+    /// How lively the slowest gait is, and how fast it moves a leg's joints, rad/s.
+    slowest: (Liveliness, f32),
     heard: Vec<Heard>,
     triggers: Vec<String>,
     grade: f32,
@@ -57,10 +57,10 @@ pub struct Locomotion {
 }
 
 /// The slowest gait; nothing without gaits.
-fn slowest_gait(asset: &CharacterAsset) -> Liveliness {
+fn slowest_gait(asset: &CharacterAsset) -> (Liveliness, f32) {
     let gaits = asset.clips().iter().filter(|clip| clip.gait.speed > 0.0);
     let slowest = gaits.min_by(|a, b| a.gait.speed.total_cmp(&b.gait.speed));
-    slowest.map_or_else(Liveliness::default, |clip| clip.lively)
+    slowest.map_or_else(Default::default, |clip| (clip.lively, clip.gait.leg_speed))
 }
 
 /// A clip of a state.
@@ -88,6 +88,8 @@ struct Heard {
 pub struct Playing<'a> {
     /// The clip.
     pub clip: &'a CharacterClip,
+    /// Its place among the character's clips.
+    pub index: usize,
     /// The state that it belongs to.
     pub state: usize,
     /// How much of the pose it is, 0..=1; all sum to one.
@@ -133,7 +135,7 @@ impl Locomotion {
     pub fn playing<'a>(&'a self, asset: &'a CharacterAsset) -> impl Iterator<Item = Playing<'a>> {
         self.heard.iter().filter_map(move |&Heard { track, weight, time, gait_phase }| {
             let Track { state, clip, landing, .. } = self.tracks[track];
-            Some(Playing { clip: asset.clips().get(clip)?, state, weight, time, gait_phase, landing })
+            Some(Playing { clip: asset.clips().get(clip)?, index: clip, state, weight, time, gait_phase, landing })
         })
     }
 
@@ -159,7 +161,7 @@ impl Locomotion {
     /// that move legs; at least that of a step.
     #[must_use]
     pub fn leg_speed(&self, asset: &CharacterAsset) -> f32 {
-        let slowest = asset.step_speed();
+        let slowest = STEP * self.slowest.1;
         let moves = self.playing(asset).filter(|playing| playing.clip.gait.leg_speed > slowest);
         let (speed, weight) = moves.fold((0.0, 0.0), |(speed, weight), playing| {
             (speed + playing.clip.gait.leg_speed * self.rate(&playing) * playing.weight, weight + playing.weight)
@@ -178,7 +180,7 @@ impl Locomotion {
     #[must_use]
     pub fn liveliest(&self, asset: &CharacterAsset, dt: f32) -> Peak {
         let peak = |playing: Playing<'_>| playing.clip.lively.at(dt).at_rate(self.rate(&playing));
-        self.playing(asset).map(peak).fold(self.slowest.at(dt) * STEP, Peak::max)
+        self.playing(asset).map(peak).fold(self.slowest.0.at(dt) * STEP, Peak::max)
     }
 
     /// How many times as fast as by itself a clip plays, at least once.

@@ -1,6 +1,7 @@
 //! Blocks against the scalar functions: the same palettes, within 1e-5 of a palette's size.
 
 mod limbs;
+mod locals;
 mod reference;
 mod shorts;
 
