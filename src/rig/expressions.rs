@@ -81,19 +81,23 @@ impl Expression {
 mod tests {
     use super::*;
 
+    fn percent<const N: usize>(weights: [f32; N]) -> [u32; N] {
+        weights.map(|weight| (weight * 100.0).round() as u32)
+    }
+
     #[test]
     fn binary_expressions_are_shown_in_full_or_not_at_all() {
         let binary = Expression { binary: true, ..Expression::default() };
-        assert_eq!([0.0, 0.5, 0.51, 7.0].map(|weight| binary.strength(weight)), [0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(percent([0.0, 0.5, 0.51, 7.0].map(|weight| binary.strength(weight))), [0, 0, 100, 100]);
         let plain = Expression::default();
-        assert_eq!([-1.0, 0.3, 2.0, f32::NAN].map(|weight| plain.strength(weight)), [0.0, 0.3, 1.0, 0.0]);
+        assert_eq!(percent([-1.0, 0.3, 2.0, f32::NAN].map(|weight| plain.strength(weight))), [0, 30, 100, 0]);
     }
 
     #[test]
     fn overrides_take_their_share() {
-        let taken = |what: Override| [0.0, 0.4, 1.0].map(|strength| what.taken(strength));
-        assert_eq!(taken(Override::None), [0.0; 3]);
-        assert_eq!(taken(Override::Block), [0.0, 1.0, 1.0]);
-        assert_eq!(taken(Override::Blend), [0.0, 0.4, 1.0]);
+        let taken = |what: Override| percent([0.0, 0.4, 1.0].map(|strength| what.taken(strength)));
+        assert_eq!(taken(Override::None), [0; 3]);
+        assert_eq!(taken(Override::Block), [0, 100, 100]);
+        assert_eq!(taken(Override::Blend), [0, 40, 100]);
     }
 }

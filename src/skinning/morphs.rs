@@ -311,16 +311,17 @@ mod tests {
         assert_eq!(morphs.expressions().collect::<Vec<_>>(), ["happy", "blink"]);
         assert!(!morphs.express("joy", 1.0) && morphs.expression("joy").is_none(), "nobody knows it");
         assert!(morphs.express("happy", 0.5));
-        let told = |morphs: &Morphs| ["lids", "smile"].map(|name| morphs.weight(name).expect("it is there"));
-        assert_eq!(told(&morphs), [0.25, 0.5]);
+        let percent = |weight: Option<f32>| weight.map(|weight| (weight * 100.0).round() as u32);
+        let told = |morphs: &Morphs| ["lids", "smile"].map(|name| percent(morphs.weight(name)).expect("it is there"));
+        assert_eq!(told(&morphs), [25, 50]);
         morphs.follow(&[0.5, 0.1]);
-        assert_eq!(told(&morphs), [0.75, 0.6], "on top of what clips say");
+        assert_eq!(told(&morphs), [75, 60], "on top of what clips say");
         morphs.express("blink", 1.0);
-        assert_eq!(told(&morphs), [1.0, 0.6], "no farther than shut");
+        assert_eq!(told(&morphs), [100, 60], "no farther than shut");
         morphs.set("lids", 0.1);
-        assert_eq!(told(&morphs), [0.1, 0.6], "what is set stays");
+        assert_eq!(told(&morphs), [10, 60], "what is set stays");
         morphs.release_all();
-        assert_eq!((told(&morphs), morphs.expression("happy")), ([0.1, 0.1], Some(0.0)));
+        assert_eq!((told(&morphs), percent(morphs.expression("happy"))), ([10, 10], Some(0)));
     }
 
     #[test]

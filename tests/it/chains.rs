@@ -13,6 +13,7 @@ use surefoot::{
         attach::Attach,
         chains::{ChainJointSetup, ChainOf, IkChain, IkResult, IkState, IkTarget, Pole, RestLimit, TipFacing},
     },
+    math::rotation::angle_between,
     rig::{
         humanoid::HumanoidRole::{Head, LeftHand, RightHand, RightUpperArm},
         joint_ref::JointRef,
@@ -57,7 +58,7 @@ fn rotations(stage: &Stage, walker: Entity) -> Vec<Quat> {
 
 /// Greatest turn of any joint between two poses, degrees.
 fn turned(before: &[Quat], now: &[Quat]) -> f32 {
-    before.iter().zip(now).map(|(before, now)| before.angle_between(*now).to_degrees()).fold(0.0, f32::max)
+    before.iter().zip(now).map(|(before, now)| angle_between(*before, *now).to_degrees()).fold(0.0, f32::max)
 }
 
 /// Greatest turn of any joint from one frame to the next, degrees, in so many frames.

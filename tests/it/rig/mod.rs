@@ -2,7 +2,6 @@
 
 mod clips;
 mod containers;
-#[expect(clippy::float_cmp, reason = "numbers come out as they went in")]
 mod expressions;
 mod malformed;
 mod skeletons;
