@@ -50,12 +50,8 @@ impl Pace {
     pub(super) fn note(&mut self, pose: &Pose, leg: &Leg, dt: f32) {
         let rotation = |joint| pose.local(joint).rotation;
         let now = leg.joints().map(rotation);
-        self.note_speeds(now, dt);
-        *self = Self { last: Some(now), toes: leg.toes.map(rotation), speeds: self.speeds, ..Self::default() };
-    }
-
-    fn note_speeds(&mut self, now: [Quat; 3], dt: f32) {
-        self.speeds = self.turns(now).map(|turn| turn / dt.max(1e-4));
+        let speeds = self.turns(now).map(|turn| turn / dt.max(1e-4));
+        *self = Self { last: Some(now), toes: leg.toes.map(rotation), speeds, ..Self::default() };
     }
 
     /// Turns since the last frame, in each joint's own space then.
@@ -96,7 +92,9 @@ impl Pace {
         }
         self.keep_toes(pose, skeleton, leg, most);
         let now = joints.map(|joint| pose.local(joint).rotation);
-        self.note_speeds(now, dt);
+        // A leg that isn't late is as it was asked to be.
+        let turns = if self.shares.is_some() { self.turns(now) } else { turns };
+        self.speeds = turns.map(|turn| turn / dt.max(1e-4));
         self.last = Some(now);
     }
 

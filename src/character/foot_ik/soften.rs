@@ -81,12 +81,14 @@ impl Soften {
             }
             shown = show(pose, skeleton, leg, shown);
         }
-        if let Some((last, (turns, velocities))) = self.last.and_then(|last| Some((last, last.speeds?))) {
+        let mut made = self.last.map(|last| last.turns_to(shown));
+        if let (Some(last), Some(turned)) = (self.last, made)
+            && let Some((turns, velocities)) = last.speeds
+        {
             let moved = places(pose, leg).into_iter().zip(last.places);
             let jumps = moved.zip(velocities).map(|((now, before), velocity)| ((now - before) / dt).distance(velocity));
             let jump = jumps.fold(0.0, f32::max);
-            let turned = shown.iter().zip(last.rotations).map(|(now, before)| angle_between(*now, before));
-            if jump > limits.jump || turned.fold(0.0, f32::max) > limits.turn {
+            if jump > limits.jump || turned.into_iter().map(Vec3::length).fold(0.0, f32::max) > limits.turn {
                 for (index, shown) in shown.iter_mut().enumerate() {
                     let before = last.rotations[index];
                     let goes_on = from_scaled_axis(turns[index] * dt) * before;
@@ -98,9 +100,10 @@ impl Soften {
                 }
                 self.elapsed = 0.0;
                 shown = show(pose, skeleton, leg, shown);
+                made = Some(last.turns_to(shown));
             }
         }
-        self.note(asked, shown, places(pose, leg), dt);
+        self.note(asked, shown, places(pose, leg), made, dt);
     }
 
     /// The leg is shown elsewhere than it was kept: it eases on from there.
@@ -130,15 +133,22 @@ impl Soften {
         self.elapsed < EASES
     }
 
-    fn note(&mut self, asked: [Quat; 4], rotations: [Quat; 4], places: [Vec3; 3], dt: f32) {
-        let speeds = self.last.map(|last| {
-            let turns = [0, 1, 2, 3].map(|index| turn_between(last.rotations[index], rotations[index]) / dt);
-            (turns, [0, 1, 2].map(|index| (places[index] - last.places[index]) / dt))
+    /// `made` is how the leg turned since the last frame.
+    fn note(&mut self, asked: [Quat; 4], rotations: [Quat; 4], places: [Vec3; 3], made: Option<[Vec3; 4]>, dt: f32) {
+        let speeds = self.last.zip(made).map(|(last, made)| {
+            (made.map(|turn| turn / dt), [0, 1, 2].map(|index| (places[index] - last.places[index]) / dt))
         });
         if self.last.is_none() {
             self.elapsed = EASES;
         }
         self.last = Some(Shown { asked, rotations, places, speeds });
+    }
+}
+
+impl Shown {
+    /// How its joints turn to come to `rotations`, axis times radians.
+    fn turns_to(&self, rotations: [Quat; 4]) -> [Vec3; 4] {
+        [0, 1, 2, 3].map(|index| turn_between(self.rotations[index], rotations[index]))
     }
 }
 
