@@ -20,7 +20,8 @@ fn assert_same_ground(world: &World) {
     let app = stage.app();
     let mut state = SystemState::<(Grounds, SpatialQuery, Query<(), NoGround>)>::new(app.world_mut());
     let (grounds, spatial, no_ground) = state.get(app.world()).expect("the world has colliders");
-    let near = grounds.near(&filter, reach, 1.75);
+    let mut near = grounds.probe(&filter);
+    grounds.gather(&filter, reach, 1.75, &mut near);
     let everywhere = PhysicsProbe::new(&spatial, &no_ground, &filter);
     let (mut met, mut highest) = (0, f32::MIN);
     for column in 0..60u8 {
@@ -62,6 +63,8 @@ fn characters_are_no_ground_for_each_other() {
     let mut state = SystemState::<Grounds>::new(app.world_mut());
     let grounds = state.get(app.world()).expect("the world has colliders");
     let reach = Reach { root: other, up: 3.0, down: 3.0, upright: 0.6 };
-    let hit = reach.at(&grounds.near(&filter, reach, 1.0), other).expect("a floor");
+    let mut near = grounds.probe(&filter);
+    grounds.gather(&filter, reach, 1.0, &mut near);
+    let hit = reach.at(&near, other).expect("a floor");
     assert!(hit.point.y.abs() < 0.01, "the ground is {} m high where another character stands", hit.point.y);
 }

@@ -172,7 +172,8 @@ fn plant(
                 let animated = ik.animated(&body, &pose);
                 return ik.fly_free(&body, &mut pose, &animated);
             }
-            let probe = grounds.near(filter, body.reach(), STRIDE * asset.leg_length);
+            let mut probe = grounds.probe(filter);
+            grounds.gather(filter, body.reach(), STRIDE * asset.leg_length, &mut probe);
             ik.place(&body, &mut pose, &probe, &frames);
         },
     );

@@ -54,15 +54,22 @@ pub struct NearProbe<'a, 'w, 's> {
 }
 
 impl Grounds<'_, '_> {
-    /// The ground within `radius` metres, horizontally, of what `reach` looks around.
-    pub fn near<'a>(&'a self, filter: &'a GroundFilter, reach: Reach, radius: f32) -> NearProbe<'a, 'a, 'a> {
-        let half = Vec3::new(radius, reach.tallest(radius), radius);
-        let mut near = NearProbe {
+    /// A probe that has [gathered](Self::gather) nothing yet: it searches the whole world.
+    #[inline]
+    pub fn probe<'a>(&'a self, filter: &'a GroundFilter) -> NearProbe<'a, 'a, 'a> {
+        NearProbe {
             solids: ArrayVec::new_const(),
-            least: (reach.root - half).into(),
-            most: (reach.root + half).into(),
+            least: Vec3A::INFINITY,
+            most: Vec3A::NEG_INFINITY,
             everywhere: PhysicsProbe::new(&self.spatial, &self.no_ground, filter),
-        };
+        }
+    }
+
+    /// Gathers the ground within `radius` metres, horizontally, of what `reach` looks around: in its place, since a probe is some
+    /// kilobytes to move.
+    pub fn gather<'a>(&'a self, filter: &GroundFilter, reach: Reach, radius: f32, near: &mut NearProbe<'a, '_, '_>) {
+        let half = Vec3::new(radius, reach.tallest(radius), radius);
+        near.solids.clear();
         let mut all = true;
         let region = ColliderAabb::from_min_max(reach.root - half, reach.root + half);
         self.spatial.aabb_intersections_with_aabb_callback(region, |entity| {
@@ -76,10 +83,9 @@ impl Grounds<'_, '_> {
             all = near.solids.try_push(solid).is_ok();
             all
         });
-        if !all {
-            near.most = Vec3A::NEG_INFINITY;
-        }
-        near
+        let (least, most) = (reach.root - half, reach.root + half);
+        (near.least, near.most) =
+            if all { (least.into(), most.into()) } else { (Vec3A::INFINITY, Vec3A::NEG_INFINITY) };
     }
 }
 

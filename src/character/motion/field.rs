@@ -13,7 +13,10 @@ const UPRIGHT: f32 = 1.0 - 1e-7;
 /// A heightfield that stands upright, ready to be asked.
 #[derive(Clone, Copy)]
 pub(in crate::character) struct UprightField<'a> {
-    field: &'a HeightField,
+    /// Heights at the corners and what there is of each cell, column by column.
+    heights: &'a [f32],
+    statuses: &'a [HeightFieldCellStatus],
+    rows: usize,
     position: Vec3,
     /// World from field, if they are turned against each other at all.
     turn: Option<Quat>,
@@ -35,7 +38,9 @@ impl<'a> UprightField<'a> {
         let (cells, scale) = (Vec2::new(field.ncols() as f32, field.nrows() as f32), field.scale());
         let upright = (rotation * Vec3::Y).y >= UPRIGHT;
         upright.then(|| Self {
-            field,
+            heights: field.heights().data(),
+            statuses: field.cells_statuses().data(),
+            rows: field.nrows(),
             position,
             turn: (rotation != Quat::IDENTITY).then_some(rotation),
             cells,
@@ -60,7 +65,7 @@ impl<'a> UprightField<'a> {
         let (u, v) = (x - column as f32, z - row as f32);
         let [here, behind, beside, across] = self.corners(column, row)?;
         // Each cell is two triangles: split from `here` to `across`, else from `behind` to `beside`.
-        let status = self.field.cell_status(row, column);
+        let status = self.status(column, row);
         let zigzag = status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
         let left = if zigzag { v >= u } else { u + v <= 1.0 };
         let removed = [HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED, HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED];
@@ -81,15 +86,14 @@ impl<'a> UprightField<'a> {
 
     /// Heights at the corners of a cell: the first, the next along z, the next along x, and the one across.
     fn corners(&self, column: usize, row: usize) -> Option<[f32; 4]> {
-        let heights = self.field.heights();
-        let first = heights.flat_index(row, column);
-        let next = first + heights.nrows();
-        let (&[here, behind], &[beside, across]) =
-            (heights.data().get(first..first + 2)?, heights.data().get(next..next + 2)?)
-        else {
-            return None;
-        };
+        let first = row + column * (self.rows + 1);
+        let pair = |at: usize| self.heights.get(at..)?.first_chunk::<2>();
+        let (&[here, behind], &[beside, across]) = (pair(first)?, pair(first + self.rows + 1)?);
         Some([here, behind, beside, across])
+    }
+
+    fn status(&self, column: usize, row: usize) -> HeightFieldCellStatus {
+        self.statuses.get(row + column * self.rows).copied().unwrap_or(HeightFieldCellStatus::CELL_REMOVED)
     }
 
     /// Calls `found` with every triangle, in the world, whose cell reaches into the span. False, and nothing called, for a field
@@ -121,7 +125,7 @@ impl<'a> UprightField<'a> {
                 if a.y.min(b.y).min(c.y).min(d.y) > span.most.y || a.y.max(b.y).max(c.y).max(d.y) < span.least.y {
                     continue;
                 }
-                let status = self.field.cell_status(row, column);
+                let status = self.status(column, row);
                 let zigzag = status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
                 if !status.contains(HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED) {
                     found(if zigzag { [a, b, d] } else { [a, b, c] });
