@@ -24,7 +24,7 @@ use surefoot::{
         skeleton::{JointIndex, JointTransform, Skeleton},
         skin::{JointMatrix, Skin},
     },
-    character::{animator::Actions, intent::MoveIntent},
+    character::{animator::Actions, intent::MoveIntent, schedule::MotionSystems},
     measure::record::Recorder,
     testing::{
         Stage, World as Ground,
@@ -102,12 +102,18 @@ fn a_crowd_is_posed_without_the_heap() {
 struct Taken {
     before: usize,
     stages: [usize; STAGES.len()],
+    controller: usize,
 }
 
-/// Counts the stages of a frame's poses, all of them on this thread.
+/// Counts the controller and the stages of a frame's poses, all of them on this thread.
 fn watch(app: &mut App) {
     app.init_resource::<Taken>();
     let start = |mut taken: ResMut<Taken>| taken.before = ALLOCATIONS.get();
+    let end = |mut taken: ResMut<Taken>| taken.controller += ALLOCATIONS.get() - taken.before;
+    app.add_systems(
+        FixedUpdate,
+        (start.after(MotionSystems::Decide).before(MotionSystems::Move), end.after(MotionSystems::Move)),
+    );
     lap_stages(app, start, |stage| {
         move |mut taken: ResMut<Taken>| {
             let now = ALLOCATIONS.get();
@@ -146,8 +152,8 @@ fn prints_what_walkers_take_from_the_heap() {
     stage.run_for(0.5);
     stage.app().insert_resource(Taken::default());
     stage.run_for(2.0);
-    let taken = stage.app().world().resource::<Taken>().stages;
-    println!("\n{MARK}{}", taken.map(|count| count.to_string()).join(" "));
+    let Taken { stages, controller, .. } = stage.app().world().resource::<Taken>();
+    println!("\n{MARK}{controller} {}", stages.map(|count| count.to_string()).join(" "));
 }
 
 #[test]
@@ -160,7 +166,8 @@ fn walkers_are_posed_without_the_heap() {
     let counts = text.lines().find_map(|line| line.strip_prefix(MARK)).unwrap_or_else(|| {
         panic!("no count: {text}{}", String::from_utf8_lossy(&output.stderr));
     });
-    let taken: Vec<_> = STAGES.iter().zip(counts.split(' ')).filter(|(_, count)| *count != "0").collect();
+    let names = ["Move".to_owned()].into_iter().chain(STAGES.map(|stage| format!("{stage:?}")));
+    let taken: Vec<_> = names.zip(counts.split(' ')).filter(|(_, count)| *count != "0").collect();
     assert!(taken.is_empty(), "allocations in two seconds of 16 walkers: {taken:?}");
 }
 

@@ -43,20 +43,32 @@ pub(super) struct Around<'a> {
     solids: Vec<Solid<'a>>,
 }
 
+/// The same memory for solids of another tick: collecting in place keeps it.
+pub(super) fn recycled<'b>(mut solids: Vec<Solid<'_>>) -> Vec<Solid<'b>> {
+    solids.clear();
+    solids.into_iter().map_while(|_| None).collect()
+}
+
 impl View<'_> {
     /// All solids that reach into `span`, and perhaps some more.
     pub(super) fn solids_in(&self, span: Span) -> Cow<'_, [Solid<'_>]> {
         if self.around.region.contains(span) {
             Cow::Borrowed(&self.around.solids)
         } else {
-            Cow::Owned(self.space.around(self.me, &self.filter, span).solids)
+            Cow::Owned(self.space.around(self.me, &self.filter, span, Vec::new()).solids)
         }
     }
 }
 
 impl<'a> Around<'a> {
-    pub(super) fn new(region: Span) -> Self {
-        Self { region, solids: Vec::new() }
+    /// Of nothing yet; `solids` is memory to use.
+    pub(super) fn new(region: Span, solids: Vec<Solid<'a>>) -> Self {
+        Self { region, solids }
+    }
+
+    /// The memory that it used, empty.
+    pub(super) fn into_memory<'b>(self) -> Vec<Solid<'b>> {
+        recycled(self.solids)
     }
 
     pub(super) fn push(

@@ -38,7 +38,7 @@ use avian3d::{
         SleepingDisabled, SpatialQueryFilter, TransformInterpolation,
     },
 };
-use bevy::prelude::*;
+use bevy::{prelude::*, utils::Parallel};
 
 use super::{
     intent::MoveIntent,
@@ -46,6 +46,7 @@ use super::{
 };
 use crate::rig::tuning::motion::MotionConfig;
 use ahead::region;
+use around::{Solid, recycled};
 use body::MotionBody;
 use capsule::MotionShapes;
 pub(in crate::character) use field::{FieldGround, UprightField};
@@ -158,6 +159,7 @@ impl Plugin for MotionPlugin {
 fn move_characters(
     space: Space,
     time: Res<Time>,
+    memory: Local<Parallel<Vec<Solid<'static>>>>,
     mut characters: Query<(
         Entity,
         &MoveIntent,
@@ -172,20 +174,26 @@ fn move_characters(
     if dt <= 0.0 {
         return;
     }
-    characters.par_iter_mut().for_each(|(me, intent, shapes, transform, layers, mut body, mut state)| {
-        if !intent.is_sound() {
-            warn_once!("the MoveIntent of character {me} is not finite: {intent:?}; it counts as zero");
-        }
-        let filter =
-            layers.map_or_else(SpatialQueryFilter::default, |layers| SpatialQueryFilter::from_mask(layers.filters));
-        let config = &shapes.config;
-        let top_speed = if body.crouched { config.crouch_speed } else { config.sprint_speed };
-        let mut intent = intent.sanitised(top_speed);
-        if let Some(facing) = intent.facing {
-            intent.velocity = limit_strafe(intent.velocity, facing, config.sprint_speed, config.strafe_speed);
-        }
-        let around = space.around(me, &filter, region(&body, shapes, &intent, dt));
-        let tick = Tick { view: View { space, me, filter, around }, config, shapes, intent, transform, dt };
-        tick.run(&mut body, &mut state);
-    });
+    let characters = characters.par_iter_mut();
+    characters.for_each_init(
+        || memory.borrow_local_mut(),
+        |memory, (me, intent, shapes, transform, layers, mut body, mut state)| {
+            if !intent.is_sound() {
+                warn_once!("the MoveIntent of character {me} is not finite: {intent:?}; it counts as zero");
+            }
+            let filter =
+                layers.map_or_else(SpatialQueryFilter::default, |layers| SpatialQueryFilter::from_mask(layers.filters));
+            let config = &shapes.config;
+            let top_speed = if body.crouched { config.crouch_speed } else { config.sprint_speed };
+            let mut intent = intent.sanitised(top_speed);
+            if let Some(facing) = intent.facing {
+                intent.velocity = limit_strafe(intent.velocity, facing, config.sprint_speed, config.strafe_speed);
+            }
+            let solids = recycled(core::mem::take(&mut **memory));
+            let around = space.around(me, &filter, region(&body, shapes, &intent, dt), solids);
+            let tick = Tick { view: View { space, me, filter, around }, config, shapes, intent, transform, dt };
+            tick.run(&mut body, &mut state);
+            **memory = tick.view.around.into_memory();
+        },
+    );
 }

@@ -12,7 +12,12 @@ use avian3d::{
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
 
-use super::{around::Around, body::MotionBody, frame::Frame, heightfield::Span};
+use super::{
+    around::{Around, Solid},
+    body::MotionBody,
+    frame::Frame,
+    heightfield::Span,
+};
 
 /// Gap in metres that sweeps keep to what they hit, so that the next sweep starts in free space.
 pub(super) const SKIN: f32 = 0.01;
@@ -104,9 +109,15 @@ impl GroundBody {
 }
 
 impl<'a> Space<'a, 'a> {
-    /// All that `me` may meet in a region, as `filter` lets it.
-    pub(super) fn around(&'a self, me: Entity, filter: &SpatialQueryFilter, region: Span) -> Around<'a> {
-        let mut around = Around::new(region);
+    /// All that `me` may meet in a region, as `filter` lets it; gathered in `memory`.
+    pub(super) fn around(
+        &'a self,
+        me: Entity,
+        filter: &SpatialQueryFilter,
+        region: Span,
+        memory: Vec<Solid<'a>>,
+    ) -> Around<'a> {
+        let mut around = Around::new(region, memory);
         let sound = region.least.is_finite() && region.most.is_finite();
         let bounds = ColliderAabb::from_min_max(region.least, region.most);
         let mut add = |collider: Entity| {
