@@ -27,6 +27,8 @@ const BETWEEN_KEYS: [f32; 3] = [1.0, 2.0, 4.0];
 const TRIES: usize = 6;
 /// Frames of one clip; above it the rate goes down. An hour at 30 Hz.
 const MAX_FRAMES: f32 = 108_000.0;
+/// Times at which a clip is compared with its curves at most: beyond 80 s or so not all between its frames are.
+const MAX_CHECKS: usize = 20_000;
 /// First and last pose closer than this fraction of the skeleton's size make a loop.
 const SEAM: f32 = 0.01;
 /// How far out from a joint turns are measured, as a fraction of the skeleton's size.
@@ -78,7 +80,8 @@ impl ClipCurves {
             if best.as_ref().is_none_or(|best| clip.report.max_error < best.report.max_error) {
                 best = Some(clip);
             }
-            if good {
+            // More frames than that there aren't, whatever the rate.
+            if good || self.duration() * rate > MAX_FRAMES {
                 break;
             }
         }
@@ -163,7 +166,7 @@ impl ClipCurves {
         clip
     }
 
-    /// Compares `clip` with the exact curves, four times as often as it has frames and a little before each jump.
+    /// Compares `clip` with the exact curves, four times as often as it has frames if it isn't very long.
     fn check(&self, skeleton: &Skeleton, clip: &Clip) -> ClipReport {
         let (mut exact, mut baked) = (Pose::rest(skeleton), Pose::rest(skeleton));
         // A leaf joint's turn shows only in what hangs on it: take that to be this far out, in the file's unit.
@@ -185,7 +188,7 @@ impl ClipCurves {
                 })
                 .fold(0.0, f32::max)
         };
-        let checks = 4 * (clip.frame_count() - 1);
+        let checks = (4 * (clip.frame_count() - 1)).min(MAX_CHECKS);
         let max_error = (0..=checks)
             .map(|check| clip.duration * check as f32 / checks.max(1) as f32)
             .map(|time| distance_at(time, None))

@@ -17,6 +17,10 @@ use std::sync::Arc;
 
 use self::{accessor::Source, container::Container, error::RigError};
 use super::{Rig, character_file::Roles, frame};
+use crate::anim::{
+    pose::Pose,
+    skeleton::{JointIndex, Skeleton},
+};
 
 impl Rig {
     /// Reads `.glb` or `.gltf` bytes; `resolve` gives the bytes behind the path of a buffer in another file.
@@ -60,7 +64,35 @@ impl Rig {
             rig.skeleton.model_from_root = binding.frame.model_from_root;
             rig.notes.extend(binding.frame.notes);
         }
-        rig.clips = curves.iter().map(|curves| Arc::new(curves.bake(&rig.skeleton))).collect();
+        let mut pose = Pose::rest(&rig.skeleton);
+        if let Some(joint) = lost(&rig.skeleton, &pose) {
+            let problem = "where it is at rest is not finite: its transform, or one above it, is too large".to_owned();
+            return Err(RigError::Node { node: rig.skeleton.name(joint).to_owned(), problem });
+        }
+        for curves in &curves {
+            let clip = curves.bake(&rig.skeleton);
+            for frame in 0..clip.frame_count() {
+                let time = frame as f32 / clip.frame_rate().max(f32::MIN_POSITIVE);
+                clip.sample(&rig.skeleton, time, pose.locals_mut());
+                pose.update_model(&rig.skeleton);
+                if let Some(joint) = lost(&rig.skeleton, &pose) {
+                    return Err(RigError::Clip {
+                        clip: clip.name,
+                        node: rig.skeleton.name(joint).to_owned(),
+                        channel: "place",
+                        problem: format!(
+                            "in frame {frame} it is not finite: its keys, or those above it, are too large"
+                        ),
+                    });
+                }
+            }
+            rig.clips.push(Arc::new(clip));
+        }
         Ok(rig)
     }
+}
+
+/// The first joint whose place in `pose` is not finite.
+fn lost(skeleton: &Skeleton, pose: &Pose) -> Option<JointIndex> {
+    skeleton.joints().find(|&joint| !pose.model(joint).is_finite())
 }

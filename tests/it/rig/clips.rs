@@ -95,3 +95,28 @@ fn bad_keys_name_clip_channel_and_node() {
     let weights = fault(&animated("weights", &[0.0], &[1.0], None));
     assert_eq!(weights, "clip `move`, weights of node `node0`: the node's mesh has no morph targets");
 }
+
+#[test]
+fn a_clip_of_many_hours_loads_all_the_same() {
+    let begun = std::time::Instant::now();
+    let zigzag = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 7.0, 0.0, 0.0];
+    let rig = rig(&animated("translation", &[0.0, 0.1, 0.2, 1e6], &zigzag, None));
+    assert!((rig.clips[0].duration - 1e6).abs() < 1.0, "{} s", rig.clips[0].duration);
+    let seconds = begun.elapsed().as_secs_f32();
+    assert!(seconds < 20.0, "it takes {seconds} s");
+}
+
+#[test]
+fn what_goes_out_of_all_bounds_is_named() {
+    let mut far = triangle();
+    far.root["nodes"][0]["scale"] = json!([1e10, 1e10, 1e10]);
+    far.root["nodes"][1]["translation"] = json!([0.0, 1e30, 0.0]);
+    let message = fault(&far);
+    assert!(message.starts_with("node `tip`: where it is at rest is not finite"), "{message}");
+    let mut file = triangle();
+    file.root["nodes"][1]["translation"] = json!([0.0, 1e3, 0.0]);
+    file.clip("move", &[(0, "scale", &[0.0, 1.0], &[1.0, 1.0, 1.0, 3e38, 3e38, 3e38])]);
+    let message = fault(&file);
+    let named = message.starts_with("clip `move`, place of node `tip`: in frame");
+    assert!(named && message.contains("not finite"), "{message}");
+}
