@@ -92,8 +92,9 @@ impl Retarget<'_> {
         let Some([from, to]) = self.pelvis.and_then(|pelvis| pelvis.legs) else { return 0.0 };
         let (mut source, mut pose) = (rests[0].clone(), rests[1].clone());
         let mut lower = 0.0f32;
-        for frame in 0..clip.frame_count() {
-            clip.sample_frame(self.from, frame, source.locals_mut());
+        let steps = clip.frame_count().saturating_sub(1).max(1);
+        for step in 0..=steps {
+            clip.sample_held(self.from, clip.duration * step as f32 / steps as f32, source.locals_mut());
             source.update_model(self.from);
             pose.locals_mut().copy_from_slice(rests[1].locals());
             self.follow(rests, &source, 0.0, &mut pose);
