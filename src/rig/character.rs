@@ -62,6 +62,8 @@ pub struct CharacterAsset {
     pub stature: f32,
     /// Clips of its own that are called as states are in other words.
     pub own_clips: Vec<OwnClip>,
+    /// What is odd about how `roles` bind, one sentence each.
+    pub notes: Vec<String>,
     /// Morph targets that shut the eyes.
     pub blink_targets: Vec<ExpressionBind>,
     clips: Vec<CharacterClip>,
@@ -173,16 +175,16 @@ impl CharacterAsset {
         if let Some(soles) = &file.soles {
             legs::place_soles(&model.skeleton, &mut legs, soles, file.scale);
         }
-        let hips = humanoid.get(HumanoidRole::Hips).unwrap_or_default();
 
         let mut asset = Self {
+            notes: frame.notes.into_iter().filter(|note| !model.notes.contains(note)).collect(),
             trunk: trunk(&model.skeleton, &humanoid, &legs),
             model: path,
             leg_length: 0.5 * (legs[0].length() + legs[1].length()),
             stature: binding::stature(&model, &model.skeleton),
             skeleton: Arc::new(model.skeleton.clone()),
             rig: Arc::new(model),
-            hips,
+            hips: humanoid.get(HumanoidRole::Hips).unwrap_or_default(),
             legs,
             own_clips: Vec::new(),
             blink_targets: Vec::new(),
@@ -254,15 +256,14 @@ impl CharacterAsset {
         let source = Source::new(mannequin, self.target());
         // Bodies alike but for size move alike in times that go with the root of their lengths (Alexander 1989).
         let pace = source.length().sqrt();
+        let fitted = |clip: &Arc<Clip>| {
+            let feet = source.gait(clip, self.turn_of(&clip.name));
+            let clip = source.clip(clip, self.target())?.stretched(pace);
+            let slower = |gait: Gait| Gait { velocity: gait.velocity / pace, ..gait };
+            Some(self.finish(&clip.name.clone(), clip, feet.map(slower), &ClipSource::default()))
+        };
         let found = mannequin.clips.iter().filter(|clip| missing.contains(&clip.name));
-        let clips: Vec<CharacterClip> = found
-            .filter_map(|clip| {
-                let feet = source.gait(clip, self.turn_of(&clip.name));
-                let clip = source.clip(clip, self.target())?.stretched(pace);
-                let slower = |gait: Gait| Gait { velocity: gait.velocity / pace, ..gait };
-                Some(self.finish(&clip.name.clone(), clip, feet.map(slower), &ClipSource::default()))
-            })
-            .collect();
+        let clips: Vec<CharacterClip> = found.filter_map(fitted).collect();
         self.clips.extend(clips);
         self.clips.sort_by(|a, b| a.name.cmp(&b.name));
     }
@@ -384,9 +385,8 @@ impl CharacterAsset {
                 });
             }
         }
-        let standard = self.file.locomotion.transitions.is_none();
         let mut locomotion = self.file.locomotion.completed(|clip| self.clip(clip).is_some());
-        if standard {
+        if self.file.locomotion.transitions.is_none() {
             locomotion = locomotion.paced((self.leg_length / TUNED_LEG).sqrt());
         }
         if locomotion.states().is_empty() {

@@ -180,7 +180,8 @@
 //! | it says | and means |
 //! |---|---|
 //! | `no joint found for leftFoot; found: …` | Neither names nor shape tell the part. Name it in `roles: Explicit({leftFoot: "…"})`. |
-//! | `this is a body on four legs` | Two pairs of limbs reach the ground and the trunk lies. If it walks on two nevertheless, name hips and legs. |
+//! | `this is a body on four legs` | Two pairs of limbs reach the ground and the trunk lies. If it walks on two nevertheless, name hips and legs; a warning stays. |
+//! | `the left leg … and the right one …: one of their joints is another part's` | Legs of a pair are about as long as each other: a joint of another limb was named. |
 //! | `leftLowerLeg … does not hang below leftUpperLeg` | The limb can't carry it. Name the joints that hang together; feet alone may hang elsewhere. |
 //! | `… that bone has no length` | Two joints of a leg in one place: another one is meant. |
 //! | `left and right are swapped in the joint names` | A note: toes point the other way than the names say, as after mirroring. Sides were changed. |

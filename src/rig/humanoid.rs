@@ -99,6 +99,21 @@ pub enum HumanoidError {
         /// That role's joint.
         above: String,
     },
+    /// Legs that are no pair.
+    #[error(
+        "the left leg ({left}) is {left_length:.2} m long and the right one ({right}) {right_length:.2} m: one of their joints \
+         is another part's"
+    )]
+    Uneven {
+        /// Joints of the left leg.
+        left: String,
+        /// Its length, metres.
+        left_length: f32,
+        /// Joints of the right leg.
+        right: String,
+        /// Its length, metres.
+        right_length: f32,
+    },
     /// Two joints of a leg in one place.
     #[error("{role} `{joint}` is where {above_role} `{above}` is: that bone has no length")]
     NoLength {

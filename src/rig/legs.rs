@@ -29,6 +29,9 @@ const TOE_HEIGHT: f32 = 0.025;
 /// Ball's place between heel and tip, where there are no toes.
 const BALL: f32 = 0.7;
 
+/// The longer leg of a pair is less than so many times as long as the shorter one.
+const UNEVEN: f32 = 1.6;
+
 /// A skeleton whose `model_from_root` is set, and by joint the vertices that it moves most, in joint space.
 #[derive(Clone, Copy)]
 pub(super) struct Body<'a> {
@@ -41,7 +44,14 @@ pub(super) fn legs(body: Body, humanoid: &Humanoid) -> Result<[Leg; 2], Humanoid
     let rest = Pose::rest(body.skeleton);
     let left = [Role::LeftUpperLeg, Role::LeftLowerLeg, Role::LeftFoot, Role::LeftToes];
     let right = [Role::RightUpperLeg, Role::RightLowerLeg, Role::RightFoot, Role::RightToes];
-    Ok([leg(body, humanoid, &rest, left)?, leg(body, humanoid, &rest, right)?])
+    let legs = [leg(body, humanoid, &rest, left)?, leg(body, humanoid, &rest, right)?];
+    let [left_length, right_length] = legs.map(|leg| leg.length());
+    if left_length.max(right_length) > UNEVEN * left_length.min(right_length) {
+        let [left, right] =
+            legs.map(|leg| leg.joints().map(|joint| format!("`{}`", body.skeleton.name(joint))).join(", "));
+        return Err(HumanoidError::Uneven { left, left_length, right, right_length });
+    }
+    Ok(legs)
 }
 
 /// Puts the soles where the file says. Points are metres of the unscaled model; the skeleton's scale applies to them.

@@ -162,7 +162,11 @@ async fn load_character(
             others.insert(name.clone(), load_rig(beside(name)?, context).await?);
         }
     }
-    Ok(CharacterAsset::resolve(file, model_path, model, &others)?)
+    let character = CharacterAsset::resolve(file, model_path, model, &others)?;
+    for note in &character.notes {
+        warn!("`{base}`: {note}");
+    }
+    Ok(character)
 }
 
 /// The file's name if it is a model rather than a character's file.

@@ -193,20 +193,28 @@ fn find(parts: &mut Parts, rig: &Rig) -> Result<Binding, HumanoidError> {
     }
     let legs_named = LEGS.iter().flatten().all(|&role| !role.is_needed() || parts.get(role).is_some());
     let legs = tree.legs(legs_named.then(|| up(parts, &tree)));
-    if !legs_spelt_out && let Some(error) = legs.as_ref().and_then(|legs| four_legs(&tree, legs)) {
-        return Err(error);
-    }
     if !legs_named && let Some(legs) = &legs {
         parts.forget(&leg_roles);
         find_legs(parts, &tree, legs);
     }
     named::trunk(parts, skeleton, &names);
+    let four = legs.as_ref().and_then(|legs| four_legs(&tree, legs));
+    if let (false, Some(error)) = (legs_spelt_out, &four) {
+        // The report has one pair in the lines to write, for who stands on it nevertheless.
+        return Err(error.clone());
+    }
     find_trunk(parts, rig, &tree);
     named::spine(parts, skeleton);
     check(parts, skeleton, &joints)?;
 
     let body = Body { skeleton, dominated: &rig.dominated };
     let mut frame = frame::find(body, &parts.humanoid());
+    if let Some(HumanoidError::FourLegs { hind, front }) = four {
+        frame.notes.push(format!(
+            "`{hind}` and `{front}` both carry limbs that reach the ground: it walks on those that are named, and the others \
+             go as arms or not at all"
+        ));
+    }
     if frame.swapped {
         let of_legs =
             |means: Means| LEGS.iter().any(|leg| parts.joints.get(&leg[0]).is_some_and(|part| part.1 == means));

@@ -251,6 +251,8 @@ fn a_quadruped_is_refused_and_told_what_to_write() {
         let report = BindingReport::new(&dog.rig(), &Roles::Auto);
         assert!(matches!(report.problem, Some(HumanoidError::FourLegs { .. })), "{report}");
         assert!(report.to_string().contains("roles: Explicit({"), "{report}");
+        // The lines to write are there in full, hind legs or front ones.
+        assert!(!report.ron().contains('…'), "{report}");
     }
     // Who insists, walks on the two that are named.
     let legs = ["Hips", "UpperLeg", "LowerLeg", "Foot"];
@@ -258,6 +260,17 @@ fn a_quadruped_is_refused_and_told_what_to_write() {
     let told = Roles::Explicit(told.map(|role| (role, role.spelling())).collect());
     let report = BindingReport::new(&dog.rig(), &told);
     assert!(report.is_bound(), "{report}");
+    assert!(report.notes.iter().any(|note| note.contains("it walks on those that are named")), "{report}");
+}
+
+#[test]
+fn a_leg_with_a_joint_of_another_limb_is_refused() {
+    let told = [(Role::LeftFoot, "rightHand"), (Role::LeftUpperLeg, "leftUpperLeg")];
+    let told = Roles::Explicit(told.map(|(role, joint)| (role, joint.to_owned())).into());
+    let report = BindingReport::new(&Sample::body().without(&["leftToes", "rightToes"]).rig(), &told);
+    let problem = report.problem.as_ref().expect("a hand is no foot").to_string();
+    assert!(problem.contains("the left leg (`leftUpperLeg`, `leftLowerLeg`, `rightHand`) is"), "{problem}");
+    assert!(problem.contains("one of their joints is another part's"), "{problem}");
 }
 
 #[test]
