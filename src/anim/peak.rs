@@ -14,6 +14,9 @@ pub struct Peak {
     pub velocity_jump: f32,
 }
 
+/// Frames of a clip that are looked at: beyond five minutes it is taken to be no livelier.
+const MOST_FRAMES: usize = 36_000;
+
 impl Peak {
     /// The liveliest moment of `clip`, played at its own speed in frames of `dt` seconds.
     #[must_use]
@@ -22,7 +25,7 @@ impl Peak {
         let mut pose = Pose::rest(skeleton);
         let mut peak = Self::default();
         // Two frames more than the clip has, so that the seam of a loop is seen.
-        let count = if dt > 0.0 { (clip.duration / dt) as usize + 3 } else { 0 };
+        let count = if dt > 0.0 { ((clip.duration / dt) as usize).min(MOST_FRAMES) + 3 } else { 0 };
         for frame in 0..count {
             clip.sample(skeleton, frame as f32 * dt, pose.locals_mut());
             pose.update_model(skeleton);

@@ -1,5 +1,7 @@
 //! Keys, their meaning, and what is wrong with them.
 
+use surefoot::anim::peak::Peak;
+
 use super::*;
 
 #[test]
@@ -102,6 +104,8 @@ fn a_clip_of_many_hours_loads_all_the_same() {
     let zigzag = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 7.0, 0.0, 0.0];
     let rig = rig(&animated("translation", &[0.0, 0.1, 0.2, 1e6], &zigzag, None));
     assert!((rig.clips[0].duration - 1e6).abs() < 1.0, "{} s", rig.clips[0].duration);
+    let peak = Peak::of(&rig.clips[0], &rig.skeleton, 1.0 / 60.0);
+    assert!(peak.velocity_jump > 1.0, "the zigzag at its beginning is lively: {peak:?}");
     let seconds = begun.elapsed().as_secs_f32();
     assert!(seconds < 20.0, "it takes {seconds} s");
 }
