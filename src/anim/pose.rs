@@ -80,6 +80,12 @@ impl Pose {
         &mut self.model
     }
 
+    /// Takes the model matrices and puts as many others in their place.
+    pub(crate) fn swap_models(&mut self, models: &mut Vec<Affine3A>) {
+        debug_assert_eq!(models.len(), self.model.len(), "matrices of another skeleton");
+        core::mem::swap(&mut self.model, models);
+    }
+
     /// Model matrices from local transforms, all of them.
     pub fn update_model(&mut self, skeleton: &Skeleton) {
         self.update_models(skeleton, 0..skeleton.len());

@@ -33,7 +33,8 @@ pub enum PoseSystems {
     Model,
     /// Aim → arms of the local pose, model pose of all joints.
     Aim,
-    /// Poses of those that aren't posed in every tick → local and model pose of all joints.
+    /// Poses of those that aren't posed in every tick → local and model pose of all joints. At its end the model pose goes to
+    /// `Show`.
     Ease,
     /// Model poses of the last two ticks → that of this frame.
     Show,

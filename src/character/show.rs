@@ -33,13 +33,18 @@ pub struct Ticked {
 pub struct ShowLocals;
 
 impl Ticked {
-    /// One tick. `jumped`: there is no way from the pose before to this one.
-    fn record(&mut self, pose: &Pose, locals: bool, jumped: bool) {
+    /// One tick. Takes the model matrices of `pose`, which are stale until it is shown or posed again. `jumped`: there is no way
+    /// from the pose before to this one.
+    fn record(&mut self, pose: &mut Pose, locals: bool, jumped: bool) {
         let known = self.models[1].len() == pose.len() && !jumped;
         self.models.swap(0, 1);
-        fill(&mut self.models[1], pose.models());
+        if self.models[1].len() != pose.len() {
+            fill(&mut self.models[1], pose.models());
+        }
+        pose.swap_models(&mut self.models[1]);
         if !known {
-            fill(&mut self.models[0], pose.models());
+            let [before, now] = &mut self.models;
+            fill(before, now);
         }
         if locals {
             let known = known && self.locals[1].len() == pose.len();
@@ -83,13 +88,13 @@ impl Plugin for ShowPlugin {
     }
 }
 
-fn record(mut characters: Query<(&CharacterPose, &MotionState, Option<&Pacing>, Has<ShowLocals>, &mut Ticked)>) {
-    characters.par_iter_mut().for_each(|(pose, motion, pacing, locals, mut ticked)| {
+fn record(mut characters: Query<(&mut CharacterPose, &MotionState, Option<&Pacing>, Has<ShowLocals>, &mut Ticked)>) {
+    characters.par_iter_mut().for_each(|(mut pose, motion, pacing, locals, mut ticked)| {
         let hidden = pacing.is_some_and(|pacing| pacing.mode == Mode::Hidden);
         if !hidden {
             let returns = pacing.is_some_and(|pacing| pacing.returns);
             let jumped = core::mem::replace(&mut ticked.teleports, motion.teleports) != motion.teleports;
-            ticked.record(&pose.pose, locals, jumped || returns);
+            ticked.record(&mut pose.pose, locals, jumped || returns);
         }
     });
 }

@@ -100,8 +100,12 @@ struct Ticks(DefaultHasher, usize);
 fn hash_tick(characters: Query<(&Transform, &CharacterPose)>, mut ticks: ResMut<Ticks>) {
     ticks.1 += 1;
     for (root, pose) in &characters {
-        let places = pose.pose.models().iter().flat_map(bevy::math::Affine3A::to_cols_array);
-        places.chain(root.translation.to_array()).for_each(|number| ticks.0.write_u32(number.to_bits()));
+        let joints = pose
+            .pose
+            .locals()
+            .iter()
+            .flat_map(|joint| joint.rotation.to_array().into_iter().chain(joint.translation.to_array()));
+        joints.chain(root.translation.to_array()).for_each(|number| ticks.0.write_u32(number.to_bits()));
     }
 }
 
