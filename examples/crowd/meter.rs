@@ -25,8 +25,8 @@ pub(crate) const CPU: DiagnosticPath = DiagnosticPath::const_new("crowd/cpu");
 
 /// Parts of a frame in order, and what each is.
 pub(crate) const PARTS: [(&str, &str); 7] = [
-    ("crowd/ticks", "fixed ticks: intents, controllers, physics"),
-    ("crowd/poses", "animation, feet, palettes, transforms"),
+    ("crowd/ticks", "fixed ticks: intents, controllers, physics, animation, feet"),
+    ("crowd/poses", "poses between ticks or by blocks, palettes, transforms"),
     ("crowd/world", "the rest of the main world: culling, loading, culling boxes"),
     ("crowd/extract", "extraction to the render world, palettes to the staging memory"),
     ("crowd/prepare", "render world: specialize, queue, prepare, bind groups"),
@@ -79,7 +79,7 @@ impl Plugin for MeterPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    lap::<MAIN, WORLD>.before(PoseSystems::Locomote).before(AnimationSystems),
+                    lap::<MAIN, WORLD>.before(PoseSystems::Show).before(AnimationSystems),
                     lap::<MAIN, POSES>.after(TransformSystems::Propagate).after(PoseSystems::Palette),
                 ),
             )

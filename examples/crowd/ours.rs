@@ -9,7 +9,7 @@ use surefoot::{
         Character,
         bind::CharacterAssets,
         intent::MoveIntent,
-        schedule::{MotionSystems, PoseSystems},
+        schedule::{MotionSystems, PoseClock, PoseSystems},
     },
     rig::{Rig, character::CharacterAsset},
     skinning::{
@@ -23,6 +23,7 @@ use super::scene::{Hills, Scene, Walker};
 /// Characters with all that belongs to them.
 pub(crate) fn characters(app: &mut App) {
     app.add_plugins((PhysicsPlugins::default(), SurefootPlugins))
+        .insert_resource(PoseClock::at_most(1))
         .add_systems(Startup, spawn_characters)
         .add_systems(FixedUpdate, steer.in_set(MotionSystems::Decide));
 }
@@ -54,7 +55,7 @@ pub(crate) fn poses(app: &mut App) {
         .insert_resource(Pattern::Waiting(Handle::default()))
         .add_systems(Startup, load)
         .add_systems(Update, (spawn_puppets, walk_circles).chain())
-        .add_systems(PostUpdate, play.in_set(PoseSystems::Model));
+        .add_systems(PostUpdate, play.in_set(PoseSystems::Show));
 }
 
 /// What everyone is made of.
