@@ -39,7 +39,11 @@ use crate::{
 /// A character's pose: written by the animator, changed by foot IK, read by skinning.
 #[derive(Component, Clone, Debug, Default)]
 pub struct CharacterPose {
-    /// Local transforms and model matrices of every joint; in model space all are up to date from `PoseSystems::Model` on.
+    /// Local transforms and model matrices of every joint.
+    ///
+    /// In a tick, model matrices of all joints are up to date from `PoseSystems::Model` to `Ease`; in a frame from `Show` on, when they
+    /// are those between the last two ticks. Local transforms are those of the last tick, or shown alike with
+    /// [`ShowLocals`](super::show::ShowLocals).
     pub pose: Pose,
     inertializer: Inertializer,
     feet: BlendedFeet,
