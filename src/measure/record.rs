@@ -36,7 +36,7 @@ pub struct Recorder {
     /// Seconds from one recorded frame to the next, whatever the frame rate. 0 records what is shown, frame by frame. Default 0.
     ///
     /// Two frame rates compare only where both are seen at the same moments: speeds and changes are differences of frames. Poses
-    /// between two frames are blended, and so is where grounds are; what holds a foot and what plays is that of the later one.
+    /// between two frames are blended, and so is where grounds are; a foot is held if it is in both. What plays is that of the later one.
     pub every: f32,
     /// The last frame, and the seconds from the last recorded one to it.
     shown: Option<Shown>,

@@ -128,10 +128,10 @@ pub(super) fn playing(asset: &CharacterAsset, locomotion: &Locomotion, actions: 
         .filter_map(|clip| Some(Playing { clip: asset.clip_index(&clip.name)?, rate: clip.clip.speed }));
     locomotion
         .playing(asset)
-        .filter_map(|playing| {
+        .map(|playing| {
             let gait = machine.is_gait(playing.state);
             let rate = if gait { machine.phase_rate() * playing.clip.clip.duration } else { 1.0 };
-            Some(Playing { clip: asset.clip_index(&playing.clip.name)?, rate })
+            Playing { clip: playing.index, rate }
         })
         .chain(laid_over)
         .collect()

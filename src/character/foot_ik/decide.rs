@@ -109,6 +109,10 @@ impl FootState {
                     self.change_way(foot);
                 } else if elapsed >= seconds && self.behind < BEHIND * slack || self.touches_down(slack) {
                     self.lock(foot, around);
+                } else if self.flight.keeps_landing && around.halts {
+                    // Who halts stands elsewhere than he would have stepped.
+                    self.change_way(foot);
+                    self.flight.finishes = true;
                 }
             }
         }

@@ -183,11 +183,6 @@ impl FootState {
         // A leg that is behind its way is waited for.
         let elapsed = elapsed + around.dt * self.pace.share();
         self.landing.ride(around.frames);
-        if self.flight.keeps_landing && around.halts {
-            // Who halts stands elsewhere than he would have stepped.
-            self.change_way(foot);
-            self.flight.finishes = true;
-        }
         let follows = if self.flight.keeps_landing { 0.0 } else { (seconds - elapsed).max(0.0) };
         self.landing.foresee(foot.ball, foot.forward, follows, self.base, around);
         self.look_over_the_way(foot, around);
@@ -233,8 +228,8 @@ impl FootState {
             self.flight.lift = (CLEARS * around.size * self.flight.amid() - self.height(foot)).max(0.0);
         }
         let done = self.flight.done(landing, eased, SHORT_WAY * around.size);
-        let turned = self.flight.stays_behind(foot.forward);
-        self.yaw_offset = self.flight.yaw * (1.0 - eased) - if self.mode == Mode::Swing { 0.0 } else { turned };
+        let behind = if self.mode == Mode::Swing { 0.0 } else { self.flight.stays_behind(foot.forward) };
+        self.yaw_offset = self.flight.yaw * (1.0 - eased) - behind;
         self.align = self.flight.align.slerp(self.landing.align, eased);
         let (later, over) = POINTS;
         let down = self.landing.step_down(self.flight.ground(), around.size);

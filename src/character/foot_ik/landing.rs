@@ -30,8 +30,6 @@ const FOLLOW: f32 = 0.05;
 const NEAR: f32 = 0.05;
 /// Metres between where a clip's foot was to come down and where it did, within which that was foreseen.
 const FORESEEN: f32 = 0.05;
-/// Metres of ground over a ball that came down as planned from which on it lies in that ground.
-const BURIED: f32 = 0.01;
 /// Metres under the heel from which on a landing hangs over an edge.
 const EDGE: f32 = 0.025;
 
@@ -158,8 +156,7 @@ impl Landing {
         ((below / size - least) / more).clamp(0.0, 1.0)
     }
 
-    /// The footprint that carries a foot whose ball came down at `ball`: the one that was planned, if it is that and the ground
-    /// under the ball isn't higher, as beyond an edge.
+    /// The footprint that carries a foot whose ball came down at `ball`: the one that was planned, if it is that.
     pub(super) fn print_under<P: Probe, G: GroundFrames>(
         &self,
         ball: Vec3,
@@ -167,14 +164,8 @@ impl Landing {
         around: &Surroundings<'_, P, G>,
     ) -> Option<Footprint> {
         let planned = self.probed.and_then(|(_, print)| print);
-        let away = (ball - self.place).with_y(0.0).length();
-        let Some(planned) = planned.filter(|_| away < NEAR * around.size.max(1.0)) else {
-            return print_at(ball, forward, around);
-        };
-        let found = if away < MOVED * around.size { None } else { print_at(ball, forward, around) };
-        let plane = Plane { point: planned.ball.point, normal: planned.normal };
-        let lies_in = |found: &Footprint| found.ball.point.y > plane.height(ball) + BURIED * around.size;
-        Some(found.filter(lies_in).unwrap_or(planned))
+        let away = flat(ball - self.place).length();
+        planned.filter(|_| away < NEAR * around.size.max(1.0)).or_else(|| print_at(ball, forward, around))
     }
 
     fn probe<P: Probe, G: GroundFrames>(&mut self, ball: Vec3, forward: Vec3, around: &Surroundings<'_, P, G>) {
