@@ -2,7 +2,10 @@
 
 use avian3d::prelude::PhysicsSystems;
 use bevy::{
-    ecs::{schedule::IntoScheduleConfigs, system::ScheduleSystem},
+    ecs::{
+        schedule::{IntoScheduleConfigs, ScheduleLabel},
+        system::ScheduleSystem,
+    },
     prelude::*,
 };
 
@@ -29,18 +32,13 @@ where
 {
     app.add_systems(FixedPostUpdate, start.clone().after(PhysicsSystems::Last).before(PoseSystems::TICK[0]))
         .add_systems(PostUpdate, start.before(PoseSystems::FRAME[0]));
-    for index in 0..PoseSystems::TICK.len() {
-        let after = lap(index).after(PoseSystems::TICK[index]);
-        match PoseSystems::TICK.get(index + 1) {
-            Some(next) => app.add_systems(FixedPostUpdate, after.before(*next)),
-            None => app.add_systems(FixedPostUpdate, after),
-        };
-    }
-    for index in 0..PoseSystems::FRAME.len() {
-        let after = lap(PoseSystems::TICK.len() + index).after(PoseSystems::FRAME[index]);
-        match PoseSystems::FRAME.get(index + 1) {
-            Some(next) => app.add_systems(PostUpdate, after.before(*next)),
-            None => app.add_systems(PostUpdate, after.before(TransformSystems::Propagate)),
+    for (index, stage) in STAGES.into_iter().enumerate() {
+        let in_tick = index < PoseSystems::TICK.len();
+        let schedule = if in_tick { FixedPostUpdate.intern() } else { PostUpdate.intern() };
+        let after = lap(index).after(stage);
+        match STAGES.get(index + 1) {
+            Some(next) => app.add_systems(schedule, after.before(*next)),
+            None => app.add_systems(schedule, after.before(TransformSystems::Propagate)),
         };
     }
 }
