@@ -1,11 +1,14 @@
 //! Draws how feet are placed: probes and hits, plants, landings, soles, ankles, the pelvis, and why a foot let go.
 //!
-//! Reads [`FootIk`], the pose and the ground; draws lines in world space, metres, over everything else.
+//! Reads [`FootIk`], between ticks as the frame shows it, the pose and the ground; draws lines in world space, metres, over everything else.
 
 use avian3d::prelude::SpatialQuery;
 use bevy::prelude::*;
 
-use super::words::{describe, reason};
+use super::{
+    shown::{ShownFeet, note},
+    words::{describe, reason},
+};
 use crate::{
     character::{
         Character,
@@ -14,7 +17,7 @@ use crate::{
         foot_ik::{
             FootIk, Frames, GroundFilter, GroundFrames, Mode, NoGround, PhysicsProbe, Pivot, PlacedFoot, Plant, Probe,
         },
-        schedule::PoseSystems,
+        schedule::{PoseClock, PoseSystems},
     },
     rig::character::CharacterAsset,
 };
@@ -75,6 +78,8 @@ impl Plugin for FootDebugPlugin {
         };
         app.insert_gizmo_config(FootGizmos, GizmoConfig { enabled: false, ..config(LINES) })
             .insert_gizmo_config(FootWords, config(STROKES))
+            .register_required_components::<FootIk, ShownFeet>()
+            .add_systems(FixedPostUpdate, note.after(PoseSystems::Plant).run_if(enabled))
             .add_systems(PostUpdate, draw.after(PoseSystems::Show).run_if(enabled));
     }
 }
@@ -84,7 +89,9 @@ fn enabled(store: Res<GizmoConfigStore>) -> bool {
 }
 
 fn draw(
-    characters: Query<(&Character, &Transform, &GroundFilter, &CharacterPose, &FootIk)>,
+    fixed: Res<Time<Fixed>>,
+    clock: Res<PoseClock>,
+    characters: Query<(&Character, &Transform, &GroundFilter, &CharacterPose, &FootIk, &ShownFeet)>,
     assets: CharacterAssets,
     frames: Frames,
     spatial: SpatialQuery,
@@ -94,12 +101,14 @@ fn draw(
     words: Gizmos<FootWords>,
 ) {
     let mut pen = Pen { gizmos, words, eye: Transform::IDENTITY };
-    for (character, root, filter, pose, ik) in &characters {
-        let Some(asset) = assets.get(character).filter(|_| ik.placed[0].is_some()) else { continue };
+    let share = clock.share(fixed.overstep_fraction());
+    for (character, root, filter, pose, ik, shown) in &characters {
+        let feet = shown.at(share);
+        let Some(asset) = assets.get(character).filter(|_| feet[0].is_some()) else { continue };
         pen.eye = nearest_eye(&cameras, root.translation);
         let probe = PhysicsProbe::new(&spatial, &no_ground, filter);
         for side in 0..2 {
-            let Some(placed) = ik.placed[side] else { continue };
+            let Some(placed) = feet[side] else { continue };
             let foot = &ik.feet[side];
             pen.probes(&placed, &probe, root, asset);
             pen.sole(&placed, color_of(&foot.mode));

@@ -2,6 +2,7 @@
 
 pub mod chains;
 pub mod feet;
+mod shown;
 mod words;
 
 pub use chains::{ChainDebugPlugin, ChainGizmos};
