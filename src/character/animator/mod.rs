@@ -29,7 +29,7 @@ use crate::{
     anim::{
         blend::Accumulator,
         block::{LocalWorkspace, Play},
-        inertialize::Inertializer,
+        inertialize::{Inertializer, Offsets},
         pose::Pose,
         skeleton::{JointTransform, Skeleton},
     },
@@ -46,18 +46,15 @@ pub struct CharacterPose {
     /// [`ShowLocals`](super::show::ShowLocals).
     pub pose: Pose,
     inertializer: Inertializer,
+    past: Past,
     feet: BlendedFeet,
 }
 
 impl CharacterPose {
-    /// The rest pose of `skeleton`, with buffers for everything to come.
+    /// The rest pose of `skeleton`.
     #[must_use]
     pub fn new(skeleton: &Skeleton) -> Self {
-        Self {
-            pose: Pose::rest(skeleton),
-            inertializer: Inertializer::new(skeleton.len()),
-            feet: BlendedFeet::default(),
-        }
+        Self { pose: Pose::rest(skeleton), ..Self::default() }
     }
 
     /// The pose of what plays, without a past.
@@ -68,14 +65,8 @@ impl CharacterPose {
 
     /// Samples all clips that play into the local pose, and finds where the feet are in each; false where no foot is to be put
     /// right. `None` where nothing plays.
-    fn sample(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Scratch) -> Option<bool> {
-        let Scratch { sampled, plays, work } = scratch;
-        plays.clear();
-        plays.extend(locomotion.playing(asset).map(|Playing { index: clip, time, weight, .. }| Play {
-            clip,
-            time,
-            weight,
-        }));
+    fn sample(&mut self, asset: &CharacterAsset, plays: &[Play], scratch: &mut Scratch) -> Option<bool> {
+        let Scratch { sampled, work, .. } = scratch;
         sampled.resize(asset.skeleton.len(), JointTransform::IDENTITY);
         let whole = asset.rows.sample(plays, work, self.pose.locals_mut());
         if let [only] = plays[..] {
@@ -87,23 +78,28 @@ impl CharacterPose {
         plays.first()?;
         let mut blend = Accumulator::new(self.pose.locals_mut());
         let mut feet = self.feet.start();
-        for playing in locomotion.playing(asset) {
-            if !(whole && asset.rows.sample_watched(playing.index, playing.time, sampled)) {
-                playing.clip.clip.sample(&asset.skeleton, playing.time, sampled);
-                blend.add(sampled, playing.weight);
+        for play in plays {
+            if !(whole && asset.rows.sample_watched(play.clip, play.time, sampled)) {
+                let clip = &asset.clips().get(play.clip)?.clip;
+                clip.sample(&asset.skeleton, play.time, sampled);
+                blend.add(sampled, play.weight);
             }
-            feet.add(&feet::ankles(sampled, &asset.skeleton, &asset.legs), playing.weight);
+            feet.add(&feet::ankles(sampled, &asset.skeleton, &asset.legs), play.weight);
         }
         Some((whole || blend.finish()) && feet.finish())
     }
 
-    fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Scratch, dt: f32) {
-        let Some(corrects) = self.sample(asset, locomotion, scratch) else { return };
+    /// The pose of `plays` and what `ease` makes of it; legs and spine are brought into model space. Nothing where nothing plays.
+    fn play(
+        &mut self,
+        asset: &CharacterAsset,
+        plays: &[Play],
+        scratch: &mut Scratch,
+        ease: impl FnOnce(&mut Inertializer, &mut [JointTransform]) -> bool,
+    ) -> Option<()> {
+        let corrects = self.sample(asset, plays, scratch)?;
         let blended = corrects.then(|| feet::ankles(self.pose.locals(), &asset.skeleton, &asset.legs));
-        if let Some(taken) = locomotion.taken.filter(|taken| taken.blend != TransitionBlend::CrossFade) {
-            self.inertializer.begin(self.pose.locals(), taken.fade, taken.blend == TransitionBlend::Burst);
-        }
-        let eases = self.inertializer.apply(self.pose.locals_mut(), dt);
+        let eases = ease(&mut self.inertializer, self.pose.locals_mut());
         self.pose.update_model_of(&asset.skeleton, &asset.trunk);
         if eases {
             for leg in &asset.legs {
@@ -113,7 +109,72 @@ impl CharacterPose {
         if let Some(blended) = blended {
             self.feet.correct(&mut self.pose, &asset.skeleton, &asset.legs, &blended);
         }
-        self.inertializer.record(self.pose.locals(), dt);
+        Some(())
+    }
+
+    /// Plays what was played in the last two poses again, to carry their motion over: nothing was carried over in them.
+    fn recall(&mut self, asset: &CharacterAsset, scratch: &mut Scratch) {
+        let Some([last, before]) = self.past.played() else { return };
+        let mut memory = scratch.spare.pop().unwrap_or_default();
+        if self.play(asset, &before, scratch, |_, _| false).is_some() {
+            memory.set_before(self.pose.locals());
+        }
+        if self.play(asset, &last, scratch, |_, _| false).is_some() {
+            memory.set_last(self.pose.locals());
+        }
+        self.past.plays = [last, before];
+        self.inertializer.recall(memory);
+    }
+
+    fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Scratch, dt: f32) {
+        let taken = locomotion.taken.filter(|taken| taken.blend != TransitionBlend::CrossFade);
+        if taken.is_some() && !self.inertializer.remembers() {
+            self.recall(asset, scratch);
+        }
+        let mut plays = core::mem::take(&mut scratch.plays);
+        plays.clear();
+        plays.extend(locomotion.playing(asset).map(|Playing { index: clip, time, weight, .. }| Play {
+            clip,
+            time,
+            weight,
+        }));
+        let past_dt = self.past.dt;
+        let played = self.play(asset, &plays, scratch, |inertializer, locals| {
+            if let Some(taken) = taken {
+                inertializer.begin(locals, past_dt, taken.fade, taken.blend == TransitionBlend::Burst);
+            }
+            inertializer.apply(locals, dt)
+        });
+        if played.is_some() {
+            self.inertializer.record(self.pose.locals());
+            scratch.spare.extend(self.inertializer.rest());
+            self.past.push(&plays, dt);
+        }
+        scratch.plays = plays;
+    }
+}
+
+/// What was played in the last two poses: enough to pose them again.
+#[derive(Clone, Debug, Default)]
+struct Past {
+    /// Newest first.
+    plays: [Vec<Play>; 2],
+    /// Seconds between the two.
+    dt: f32,
+}
+
+impl Past {
+    /// Takes what both poses played, to be put back; `None` before there were two.
+    fn played(&mut self) -> Option<[Vec<Play>; 2]> {
+        let known = self.plays.iter().all(|plays| !plays.is_empty());
+        known.then(|| core::mem::take(&mut self.plays))
+    }
+
+    fn push(&mut self, plays: &[Play], dt: f32) {
+        self.plays.swap(0, 1);
+        self.plays[0].clear();
+        self.plays[0].extend_from_slice(plays);
+        self.dt = dt;
     }
 }
 
@@ -123,6 +184,8 @@ struct Scratch {
     sampled: Vec<JointTransform>,
     plays: Vec<Play>,
     work: LocalWorkspace,
+    /// Given back by those who ease no longer.
+    spare: Vec<Box<Offsets>>,
 }
 
 /// Samples and blends clips, lays actions over them, leans the body and shuts the eyes now and then.
