@@ -2,7 +2,8 @@
 //! skinning matrices written.
 //!
 //! Run by `cargo bench`; `cargo bench --bench crowd -- 500` takes another number. Prints the median time of a frame,
-//! of the pose stages together and of one character, then that of each part of a frame.
+//! of the pose stages together and of one character, then that of each part of a frame. At last ten thousand before a camera,
+//! with level of detail and two threads; `-- lod 5000` prints that alone.
 
 mod mannequins;
 
@@ -14,11 +15,11 @@ use bevy::{
     prelude::*,
 };
 use surefoot::{
-    character::{locomotion::Locomotion, schedule::MotionSystems},
+    character::{detail::Detail, locomotion::Locomotion, schedule::MotionSystems},
     testing::laps::{STAGES, lap_stages},
 };
 
-use mannequins::Mannequins;
+use mannequins::{Mannequins, Viewer};
 
 /// When the last part of a frame ended, and how long each took.
 #[derive(Resource, Default)]
@@ -37,8 +38,14 @@ const PARTS: usize = BEFORE.len() + STAGES.len() + 1;
 fn main() {
     println!("{:>10} {:>10} {:>10} {:>13}", "characters", "frame ms", "poses ms", "µs/character");
     let asked: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
-    for count in if asked.is_empty() { vec![1, 100, 1_000] } else { asked } {
-        let (frame, parts) = measure(count);
+    let detail = std::env::args().any(|argument| argument == "lod");
+    let mut runs: Vec<_> = asked.iter().map(|count| (*count, detail)).collect();
+    if asked.is_empty() {
+        runs = if detail { vec![] } else { vec![(1, false), (100, false), (1_000, false)] };
+        runs.push((10_000, true));
+    }
+    for (count, detail) in runs {
+        let (frame, parts) = measure(count, detail);
         let poses: Duration = parts[BEFORE.len()..PARTS - 1].iter().sum();
         let each = poses.as_secs_f64() * 1e6 / count as f64;
         println!("{count:>10} {:>10.3} {:>10.3} {each:>13.2}", millis(frame), millis(poses));
@@ -54,15 +61,20 @@ fn millis(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// Median of a whole frame and of each of its parts.
-fn measure(count: usize) -> (Duration, [Duration; PARTS]) {
-    let mut crowd = Mannequins::new(count, watch);
+/// Median of a whole frame and of each of its parts; with level of detail on two threads, else on one.
+fn measure(count: usize, detail: bool) -> (Duration, [Duration; PARTS]) {
+    let (viewer, threads) = if detail { (Viewer::Camera, 2) } else { (Viewer::None, 1) };
+    let mut crowd = Mannequins::new(count, viewer, threads, watch);
     let heard = |locomotion: &Locomotion| {
         (0..locomotion.machine.len()).filter(|state| locomotion.machine.weight(*state) > 0.0).count()
     };
     let world = crowd.app.world_mut();
     let blended = world.query::<&Locomotion>().iter(world).filter(|locomotion| heard(locomotion) >= 2).count();
-    if blended < count {
+    if detail {
+        let details: Vec<Detail> = world.query::<&Detail>().iter(world).copied().collect();
+        let counts = [false, true].map(|near| details.iter().filter(|it| it.posed && (it.feet || !near)).count());
+        println!("level of detail, two threads: {} of {count} in view, {} of them near", counts[0], counts[1]);
+    } else if blended < count {
         println!("{blended} of {count} characters blend two clips, the others have met an obstacle");
     }
     world.resource_mut::<Watch>().laps = Default::default();

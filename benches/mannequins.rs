@@ -1,29 +1,48 @@
 //! A crowd of walking mannequins on hills, without rendering: what `crowd` and `versus` measure.
 
-use std::{hint::black_box, path::Path, time::Duration};
+use std::{f32::consts::FRAC_PI_8, hint::black_box, path::Path, time::Duration};
 
 use avian3d::prelude::*;
 use bevy::{
+    app::TaskPoolThreadAssignmentPolicy,
     asset::{AssetPlugin, LoadState},
+    math::ops,
     prelude::*,
     time::TimeUpdateStrategy,
 };
 use surefoot::{
     SurefootPlugins,
     anim::skin::JointMatrix,
-    character::{Character, animator::CharacterPose, intent::MoveIntent, schedule::PoseSystems},
+    character::{
+        Character,
+        animator::CharacterPose,
+        detail::Detail,
+        intent::MoveIntent,
+        levels::DetailLevels,
+        schedule::{PoseClock, PoseSystems},
+    },
     rig::{Rig, character::CharacterAsset},
     testing::World as Ground,
 };
 
 /// Mannequins in a row, two metres apart, so that nobody walks off the hills in the seconds of a measurement; as many rows.
 const ROW: usize = 30;
-/// From one hills to the next.
-const HILLS: Vec3 = Vec3::new(100.0, 0.0, 0.0);
+/// Hills side by side, and from one to the next; more lie behind them.
+const HILLS_IN_A_ROW: usize = 4;
+const APART: f32 = 100.0;
 
 /// The crowd, all of them changing from walk to run for as long as anyone looks: two clips in every blend.
 pub(crate) struct Mannequins {
     pub(crate) app: App,
+}
+
+/// Who looks on: nobody, when everyone has everything; or a camera, and as many threads that work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Viewer {
+    /// Everyone has everything.
+    None,
+    /// Stands on the field's near edge, looks over it, and everyone has the level of detail of their size in its view.
+    Camera,
 }
 
 /// Skinning matrices of everyone.
@@ -34,9 +53,9 @@ struct Palettes(Vec<JointMatrix>);
 struct Skin(Handle<Rig>);
 
 impl Mannequins {
-    /// `count` of them; `watch` may add systems of its own.
-    pub(crate) fn new(count: usize, watch: impl FnOnce(&mut App)) -> Self {
-        let mut app = stage(count);
+    /// `count` of them on so many threads; `watch` may add systems of its own.
+    pub(crate) fn new(count: usize, viewer: Viewer, threads: usize, watch: impl FnOnce(&mut App)) -> Self {
+        let mut app = stage(count, threads);
         watch(&mut app);
         app.finish();
         app.cleanup();
@@ -47,13 +66,19 @@ impl Mannequins {
             let (hills, index_on_hills) = (index / (ROW * ROW), index % (ROW * ROW));
             let (column, row) = ((index_on_hills % side) as f32, (index_on_hills / side) as f32);
             let half = side as f32 * 0.5;
-            let place = HILLS * hills as f32 + Vec3::new(column - half, 0.5, row - half) * 2.0;
+            let place = place_of(hills) + Vec3::new(column - half, 0.5, row - half) * 2.0;
             let heading = Quat::from_rotation_y(index as f32);
-            app.world_mut().spawn((
+            let mut mannequin = app.world_mut().spawn((
                 Character(character.clone()),
                 Transform::from_translation(place).with_rotation(heading),
                 MoveIntent { velocity: heading * Vec3::NEG_Z * 1.4, ..default() },
             ));
+            if viewer == Viewer::Camera {
+                mannequin.insert((Detail::default(), Level(0)));
+            }
+        }
+        if viewer == Viewer::Camera {
+            app.insert_resource(PoseClock::at_most(1)).add_systems(PostUpdate, look_on);
         }
         for _ in 0..60 {
             app.update();
@@ -74,10 +99,48 @@ impl Mannequins {
     }
 }
 
-fn stage(count: usize) -> App {
+/// Index of a mannequin's level.
+#[derive(Component)]
+struct Level(usize);
+
+/// Half the angle that the camera sees, up and down; across it is 16 to 9.
+const HALF_VIEW: f32 = FRAC_PI_8;
+
+/// What [`ScreenDetail`](surefoot::skinning::ScreenDetail) does where there is a camera.
+fn look_on(mut levels: Local<DetailLevels>, mut crowd: Query<(&Transform, &mut Level, &mut Detail)>) {
+    let levels = &mut *levels;
+    let eye = Vec3::new(0.5 * (HILLS_IN_A_ROW - 1) as f32 * APART, 3.0, 0.5 * APART);
+    let (up, across) = (ops::tan(HALF_VIEW), ops::tan(HALF_VIEW) * 16.0 / 9.0);
+    for (place, mut level, mut detail) in &mut crowd {
+        let away = place.translation - eye;
+        let margin = 1.8 + levels.margin;
+        let seen =
+            -away.z > -margin && away.x.abs() < -away.z * across + margin && away.y.abs() < -away.z * up + margin;
+        let wanted = if seen {
+            level.0 = levels.level(0.9 / (-away.z * up).max(0.1), level.0);
+            levels.levels[level.0].detail
+        } else {
+            Detail { posed: false, ..*detail }
+        };
+        detail.set_if_neq(wanted);
+    }
+}
+
+fn place_of(hills: usize) -> Vec3 {
+    let (column, row) = (hills % HILLS_IN_A_ROW, hills / HILLS_IN_A_ROW);
+    Vec3::new(column as f32, 0.0, -(row as f32)) * APART
+}
+
+fn stage(count: usize, threads: usize) -> App {
     let mut app = App::new();
+    let compute = TaskPoolThreadAssignmentPolicy {
+        min_threads: threads,
+        max_threads: threads,
+        ..TaskPoolOptions::default().compute
+    };
+    let task_pool_options = TaskPoolOptions { compute, ..TaskPoolOptions::with_num_threads(1) };
     app.add_plugins((
-        MinimalPlugins.set(TaskPoolPlugin { task_pool_options: TaskPoolOptions::with_num_threads(1) }),
+        MinimalPlugins.set(TaskPoolPlugin { task_pool_options }),
         TransformPlugin,
         AssetPlugin { file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").to_owned(), ..default() },
         PhysicsPlugins::default(),
@@ -88,7 +151,7 @@ fn stage(count: usize) -> App {
     .add_systems(PostUpdate, palettes.in_set(PoseSystems::Palette));
     for hills in 0..count.div_ceil(ROW * ROW) {
         for piece in Ground::hills().pieces {
-            let place = piece.transform.with_translation(piece.transform.translation + HILLS * hills as f32);
+            let place = piece.transform.with_translation(piece.transform.translation + place_of(hills));
             app.world_mut().spawn((RigidBody::Static, piece.collider(), place));
         }
     }

@@ -18,7 +18,7 @@ use surefoot::anim::block::{Precision, Until, Workspace};
 use body::Body;
 #[cfg(feature = "render")]
 use built_in::{BuiltIn, Part};
-use mannequins::Mannequins;
+use mannequins::{Mannequins, Viewer};
 use ours::{Ours, workspace};
 #[cfg(feature = "render")]
 use watch::thread_time;
@@ -79,7 +79,7 @@ fn rows(body: &Body, ours: &Ours, count: usize) -> Vec<Row> {
     let (mut one, mut two) = (ours.crowd(count, 1), ours.crowd(count, 2));
     let mut times: [Vec<f64>; 5] = Default::default();
     let mut theirs = Theirs::new(body, count);
-    let (mut mannequins, mut frames) = (Mannequins::new(count, |_| ()), Vec::new());
+    let (mut mannequins, mut frames) = (Mannequins::new(count, Viewer::None, 1, |_| ()), Vec::new());
     for _ in 0..TURNS {
         let mut of =
             |crowd: &mut ours::Crowd, until| time(rounds, || ours.frame(crowd, &mut work, until)) / count as f64;
@@ -147,7 +147,7 @@ fn shorts(body: &Body) {
 fn heap(ours: &Ours) {
     let (mut crowd, mut work) = (ours.crowd(1_000, 2), Workspace::default());
     ours.frame(&mut crowd, &mut work, Until::Written);
-    let mut mannequins = [10, 1_000].map(|count| Mannequins::new(count, |_| ()));
+    let mut mannequins = [10, 1_000].map(|count| Mannequins::new(count, Viewer::None, 1, |_| ()));
     let taken = |frame: &mut dyn FnMut()| {
         let before = allocations();
         (0..10).for_each(|_| frame());

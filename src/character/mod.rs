@@ -10,6 +10,7 @@ pub mod ease;
 pub mod foot_ik;
 pub mod intent;
 pub mod legs;
+pub mod levels;
 pub mod locomotion;
 pub mod look;
 pub mod motion;

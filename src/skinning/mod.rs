@@ -34,7 +34,7 @@ use std::path::{Path, PathBuf};
 pub use self::{
     arena::{SkinArena, SkinRange},
     bounds::PoseBounds,
-    detail::{DetailLevel, DetailLevels, ScreenDetail},
+    detail::ScreenDetail,
     layout::JointMatrix,
     material::{SkinExtension, SkinnedMaterial},
     mesh::{SkinMeshError, skin_mesh},
@@ -43,6 +43,7 @@ pub use self::{
     palette::{Palette, SkinnedBy, SkinnedMeshes, Tint},
     upload::SkinUpload,
 };
+pub use crate::character::levels::{DetailLevel, DetailLevels};
 use crate::character::schedule::PoseSystems;
 
 /// GPU skinning. Goes after `DefaultPlugins`; without a GPU it keeps palettes on the CPU and draws nothing.
