@@ -120,7 +120,7 @@ fn look_on(mut levels: Local<DetailLevels>, mut crowd: Query<(&Transform, &mut L
             level.0 = levels.level(0.9 / (-away.z * up).max(0.1), level.0);
             levels.levels[level.0].detail
         } else {
-            Detail { posed: false, ..*detail }
+            levels.unseen(*detail)
         };
         detail.set_if_neq(wanted);
     }
@@ -183,13 +183,15 @@ fn load(app: &mut App) -> (Handle<CharacterAsset>, Handle<Rig>) {
 fn palettes(
     skin: Option<Res<Skin>>,
     rigs: Res<Assets<Rig>>,
-    poses: Query<&CharacterPose>,
+    poses: Query<Ref<CharacterPose>>,
     mut palettes: ResMut<Palettes>,
 ) {
     let Some(rig) = skin.and_then(|skin| rigs.get(&skin.0)) else { return };
     let Some(skin) = rig.skins.first() else { return };
     palettes.0.resize(poses.iter().len() * skin.joints.len(), JointMatrix::IDENTITY);
-    for (pose, out) in poses.iter().zip(palettes.0.chunks_mut(skin.joints.len())) {
+    // As skinning does: who wasn't posed keeps its matrices.
+    let room = palettes.0.chunks_mut(skin.joints.len());
+    for (pose, out) in poses.iter().zip(room).filter(|(pose, _)| pose.is_changed()) {
         skin.write_palette(&pose.pose, out);
     }
     black_box(&palettes.0);

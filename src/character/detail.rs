@@ -2,19 +2,21 @@
 //!
 //! Put a [`Detail`] on those that may be seen small or not at all; without one everything is done in every frame. Reads it and
 //! what [`Locomotion`] has just done; writes [`Pacing`], which tells the stages after it whether a character is posed in this
-//! frame. Controller and locomotion go on in any case, so everyone stays in step. What lies between poses is blended by `ease`.
+//! frame. Controller and locomotion go on in any case, the controller with fewer looks where it is told to, so everyone stays in
+//! step. What lies between poses is blended by `ease`.
 
 use bevy::prelude::*;
 
 use super::{
     locomotion::Locomotion,
+    motion::Glide,
     schedule::{PoseClock, PoseSystems},
 };
 
 /// How thoroughly a character is posed. May change at any time: the pose goes on without a jump.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component)]
-#[require(Pacing)]
+#[require(Pacing, Glide)]
 pub struct Detail {
     /// Seconds between two poses; what lies between is blended, so it is seen that much later. 0 poses in every frame. Default 0.
     ///
@@ -31,11 +33,13 @@ pub struct Detail {
     ///
     /// False for who isn't seen, its shadow included: its pose stands still, and jumps when it is posed again.
     pub posed: bool,
+    /// Seconds for which the controller may go on without looking where it goes: see [`Glide`]. Default 0.
+    pub glide: f32,
 }
 
 impl Default for Detail {
     fn default() -> Self {
-        Self { step: 0.0, feet: true, look: true, posed: true }
+        Self { step: 0.0, feet: true, look: true, posed: true, glide: 0.0 }
     }
 }
 
@@ -109,8 +113,9 @@ impl Plugin for DetailPlugin {
     }
 }
 
-fn pace(clock: Res<PoseClock>, mut characters: Query<(Entity, &Detail, &mut Pacing, Option<&Locomotion>)>) {
-    for (entity, detail, mut pacing, locomotion) in &mut characters {
+fn pace(clock: Res<PoseClock>, mut characters: Query<(Entity, &Detail, &mut Pacing, &mut Glide, Option<&Locomotion>)>) {
+    for (entity, detail, mut pacing, mut glide, locomotion) in &mut characters {
+        glide.set_if_neq(Glide(detail.glide));
         // An inertialized change of state begins with the pose that it leaves.
         let at_once = locomotion.is_some_and(|locomotion| locomotion.taken.is_some());
         // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.

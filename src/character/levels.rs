@@ -12,8 +12,8 @@ use super::detail::Detail;
 pub struct DetailLevels {
     /// From the largest on the screen to the smallest.
     ///
-    /// Default: a fifth of the view's height or more has everything in every frame; down to a twelfth 30 poses a second; below as
-    /// many without feet and look.
+    /// Default: a fifth of the view's height or more has everything in every frame; down to a twelfth 30 poses a second; down to a
+    /// fortieth as many without feet and look, the controller looking ten times a second; below half of that.
     pub levels: Vec<DetailLevel>,
     /// Share of a level's size by which a character must be smaller to leave it. Default 0.15.
     ///
@@ -23,6 +23,10 @@ pub struct DetailLevels {
     ///
     /// Small: shadows that fall into the view stand still. Large: more are posed that nobody sees.
     pub margin: f32,
+    /// [`Detail::glide`] in seconds of who is in no view. Default 0.25.
+    ///
+    /// 0: who isn't seen meets everything as exactly as who is.
+    pub unseen_glide: f32,
 }
 
 /// One level.
@@ -36,14 +40,20 @@ pub struct DetailLevel {
 
 impl Default for DetailLevels {
     fn default() -> Self {
-        let level = |size: f32, step: f32, close: bool| DetailLevel {
-            size,
-            detail: Detail { step, feet: close, look: close, posed: true },
-        };
+        let level = |size: f32, detail: Detail| DetailLevel { size, detail };
+        let near = Detail { step: 1.0 / 30.0, ..default() };
+        let far = Detail { feet: false, look: false, glide: 0.1, ..near };
+        let farthest = Detail { step: 1.0 / 15.0, glide: 0.2, ..far };
         Self {
-            levels: vec![level(0.2, 0.0, true), level(1.0 / 12.0, 1.0 / 30.0, true), level(0.0, 1.0 / 30.0, false)],
+            levels: vec![
+                level(0.2, Detail::default()),
+                level(1.0 / 12.0, near),
+                level(1.0 / 40.0, far),
+                level(0.0, farthest),
+            ],
             hysteresis: 0.15,
             margin: 2.0,
+            unseen_glide: 0.25,
         }
     }
 }
@@ -58,6 +68,12 @@ impl DetailLevels {
         let found = self.levels.iter().enumerate().position(|(index, level)| size >= least(level, index));
         found.unwrap_or(self.levels.len().saturating_sub(1))
     }
+
+    /// What is done for who is in no view and had `detail` before.
+    #[must_use]
+    pub fn unseen(&self, detail: Detail) -> Detail {
+        Detail { posed: false, glide: self.unseen_glide, ..detail }
+    }
 }
 
 #[cfg(test)]
@@ -69,7 +85,7 @@ mod tests {
         let levels = DetailLevels::default();
         let sizes = [0.9, 0.19, 0.1, 0.05, 0.01];
         let got = sizes.map(|size| levels.level(size, usize::MAX));
-        assert_eq!(got, [0, 1, 1, 2, 2], "levels of {sizes:?}");
+        assert_eq!(got, [0, 1, 1, 2, 3], "levels of {sizes:?}");
         assert_eq!((levels.level(0.19, 0), levels.level(0.16, 0)), (0, 1), "down only once it is 15 % smaller");
         assert_eq!(levels.level(0.2, 1), 0, "up at once");
     }

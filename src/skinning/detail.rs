@@ -50,7 +50,7 @@ fn choose(
             cameras.iter().filter(|(camera, _, frustum)| camera.is_active && frustum.intersects_sphere(&sphere, true));
         let largest = views.map(|(camera, view, _)| size_in(camera, view, middle, screen.height)).reduce(f32::max);
         let wanted = match largest {
-            None => Detail { posed: false, ..*detail },
+            None => levels.unseen(*detail),
             Some(size) => {
                 let level = levels.level(size, screen.level);
                 if level != screen.level {

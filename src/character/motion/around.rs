@@ -55,7 +55,9 @@ impl View<'_> {
         if self.around.region.contains(span) {
             Cow::Borrowed(&self.around.solids)
         } else {
-            Cow::Owned(self.space.around(self.me, &self.filter, span, Vec::new()).solids)
+            let mut around = Around::new(span, Vec::new());
+            self.space.gather(self.me, &self.filter, &mut around);
+            Cow::Owned(around.solids)
         }
     }
 }
@@ -64,6 +66,10 @@ impl<'a> Around<'a> {
     /// Of nothing yet; `solids` is memory to use.
     pub(super) fn new(region: Span, solids: Vec<Solid<'a>>) -> Self {
         Self { region, solids }
+    }
+
+    pub(super) fn region(&self) -> Span {
+        self.region
     }
 
     /// The memory that it used, empty.

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::{descent::Descent, footing::Support, frame::Frame, jump::JumpMemory};
+use super::{descent::Descent, footing::Support, frame::Frame, glide::Line, jump::JumpMemory};
 use crate::math::spring::Spring;
 
 /// The physical body, as opposed to the root that is shown: the capsule touches the ground to the last
@@ -47,6 +47,8 @@ pub(super) struct MotionBody {
     pub(super) checks: u8,
     /// Seconds for which it could neither fall nor stand.
     pub(super) wedged: f32,
+    /// What it may follow without looking.
+    pub(super) line: Option<Line>,
     /// What this tick pushes.
     pub(super) pushes: Vec<Push>,
 }
@@ -76,6 +78,7 @@ impl Default for MotionBody {
             // The first physics step may come after the first tick; until then nothing is met.
             checks: 4,
             wedged: 0.0,
+            line: None,
             pushes: Vec::new(),
         }
     }

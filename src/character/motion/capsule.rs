@@ -1,5 +1,10 @@
 //! The shapes a character collides with: built once, cloned by pointer, cast every tick.
 
+use std::{
+    ops::Deref,
+    sync::{Arc, LazyLock},
+};
+
 use avian3d::prelude::Collider;
 use bevy::prelude::*;
 
@@ -26,9 +31,13 @@ pub(super) struct Posture {
     pub(super) height: f32,
 }
 
-/// All shapes of a character, and the lengths they were built from.
+/// The shapes of a character: those of all others that are tuned alike.
 #[derive(Component, Clone, Debug)]
-pub(super) struct MotionShapes {
+pub(super) struct MotionShapes(Arc<Shapes>);
+
+/// All shapes of a character, and the lengths they were built from.
+#[derive(Debug)]
+pub(super) struct Shapes {
     /// The tuning, with what is out of range mended.
     pub(super) config: MotionConfig,
     pub(super) standing: Posture,
@@ -43,16 +52,44 @@ pub(super) struct MotionShapes {
     pub(super) step_up: f32,
 }
 
+/// The default tuning's, which every character has for a moment.
+static DEFAULT: LazyLock<MotionShapes> = LazyLock::new(|| MotionShapes::new(MotionConfig::default().mended()));
+
 impl Default for MotionShapes {
     fn default() -> Self {
-        Self::new(&MotionConfig::default())
+        DEFAULT.clone()
+    }
+}
+
+impl Deref for MotionShapes {
+    type Target = Shapes;
+
+    fn deref(&self) -> &Shapes {
+        &self.0
+    }
+}
+
+/// Shapes that were made.
+#[derive(Debug, Default)]
+pub(super) struct KnownShapes(Vec<MotionShapes>);
+
+impl KnownShapes {
+    /// The shapes for a config, made only if nobody is tuned so.
+    pub(super) fn of(&mut self, config: &MotionConfig) -> MotionShapes {
+        let config = config.mended();
+        if let Some(known) = self.0.iter().find(|known| known.config == config) {
+            return known.clone();
+        }
+        self.0.retain(|known| Arc::strong_count(&known.0) > 1);
+        let shapes = MotionShapes::new(config);
+        self.0.push(shapes.clone());
+        shapes
     }
 }
 
 impl MotionShapes {
-    /// The shapes for a config. Lengths that make no capsule give the nearest that do.
-    pub(super) fn new(config: &MotionConfig) -> Self {
-        let config = config.mended();
+    /// The shapes for a mended config. Lengths that make no capsule give the nearest that do.
+    fn new(config: MotionConfig) -> Self {
         let radius = config.radius;
         // Less would make walls of slopes, which rise under the body by as much as it goes.
         let least = (LEAST_STEP * radius).min(config.crouch_height - 2.0 * radius);
@@ -64,7 +101,7 @@ impl MotionShapes {
             raised: upright(radius, step_up, height),
             height,
         };
-        Self {
+        Self(Arc::new(Shapes {
             standing: posture(config.height),
             crouched: posture(config.crouch_height),
             foot: Collider::sphere(foot_radius),
@@ -72,9 +109,11 @@ impl MotionShapes {
             radius,
             step_up,
             config,
-        }
+        }))
     }
+}
 
+impl Shapes {
     /// The shapes of the posture.
     pub(super) fn posture(&self, crouched: bool) -> &Posture {
         if crouched { &self.crouched } else { &self.standing }

@@ -18,6 +18,7 @@ mod field;
 mod fly;
 mod footing;
 mod frame;
+mod glide;
 mod heightfield;
 mod jump;
 mod place;
@@ -46,10 +47,11 @@ use super::{
 };
 use crate::rig::tuning::motion::MotionConfig;
 use ahead::region;
-use around::{Solid, recycled};
+use around::{Around, Solid, recycled};
 use body::MotionBody;
 use capsule::MotionShapes;
 pub(in crate::character) use field::{FieldGround, UprightField};
+pub use glide::Glide;
 use space::{Space, View};
 use speed::limit_strafe;
 use tick::Tick;
@@ -72,7 +74,7 @@ use tick::Tick;
     MotionBody,
     MotionShapes,
     RigidBody::Kinematic,
-    Collider = MotionShapes::default().standing.whole,
+    Collider = MotionShapes::default().standing.whole.clone(),
     CustomPositionIntegration,
     SleepingDisabled,
     TransformInterpolation
@@ -166,6 +168,7 @@ fn move_characters(
         &MotionShapes,
         &Transform,
         Option<&CollisionLayers>,
+        Option<&Glide>,
         &mut MotionBody,
         &mut MotionState,
     )>,
@@ -177,7 +180,7 @@ fn move_characters(
     let characters = characters.par_iter_mut();
     characters.for_each_init(
         || memory.borrow_local_mut(),
-        |memory, (me, intent, shapes, transform, layers, mut body, mut state)| {
+        |memory, (me, intent, shapes, transform, layers, glide, mut body, mut state)| {
             if !intent.is_sound() {
                 warn_once!("the MoveIntent of character {me} is not finite: {intent:?}; it counts as zero");
             }
@@ -190,9 +193,15 @@ fn move_characters(
                 intent.velocity = limit_strafe(intent.velocity, facing, config.sprint_speed, config.strafe_speed);
             }
             let solids = recycled(core::mem::take(&mut **memory));
-            let around = space.around(me, &filter, region(&body, shapes, &intent, dt), solids);
-            let tick = Tick { view: View { space, me, filter, around }, config, shapes, intent, transform, dt };
-            tick.run(&mut body, &mut state);
+            let around = Around::new(region(&body, shapes, &intent, dt), solids);
+            let mut tick = Tick { view: View { space, me, filter, around }, config, shapes, intent, transform, dt };
+            if !tick.glides(&mut body, &mut state) {
+                tick.view.look_around();
+                tick.run(&mut body, &mut state);
+                // Neighbours look at different times.
+                let share = 0.75 + 0.25 * (me.index_u32() as f32 * 0.618_034).fract();
+                body.line = glide.and_then(|glide| tick.line_ahead(&body, glide.0 * share));
+            }
             **memory = tick.view.around.into_memory();
         },
     );

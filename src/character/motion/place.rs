@@ -4,18 +4,23 @@ use avian3d::prelude::{Collider, Forces, LinearVelocity, Position, Rotation, Wri
 use bevy::prelude::*;
 use bevy_transform_interpolation::{RotationEasingState, TranslationEasingState};
 
-use super::{MotionState, body::MotionBody, capsule::MotionShapes};
+use super::{
+    MotionState,
+    body::MotionBody,
+    capsule::{KnownShapes, MotionShapes},
+};
 use crate::{math::rotation::from_scaled_axis, rig::tuning::motion::MotionConfig};
 
 /// Rebuilds the shapes of characters whose tuning changed.
 pub(super) fn build_shapes(
+    mut known: Local<KnownShapes>,
     mut characters: Query<(Entity, &MotionConfig, &mut MotionShapes, &mut MotionBody), Changed<MotionConfig>>,
 ) {
     for (entity, config, mut shapes, mut body) in &mut characters {
         if let Some(problem) = config.problem() {
             warn!("MotionConfig of character {entity}: {problem}; the nearest that works is used");
         }
-        *shapes = MotionShapes::new(config);
+        *shapes = known.of(config);
         body.reshaped = true;
         body.checks = body.checks.max(2);
     }

@@ -12,12 +12,7 @@ use avian3d::{
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
 
-use super::{
-    around::{Around, Solid},
-    body::MotionBody,
-    frame::Frame,
-    heightfield::Span,
-};
+use super::{around::Around, body::MotionBody, frame::Frame, heightfield::Span};
 
 /// Gap in metres that sweeps keep to what they hit, so that the next sweep starts in free space.
 pub(super) const SKIN: f32 = 0.01;
@@ -109,15 +104,9 @@ impl GroundBody {
 }
 
 impl<'a> Space<'a, 'a> {
-    /// All that `me` may meet in a region, as `filter` lets it; gathered in `memory`.
-    pub(super) fn around(
-        &'a self,
-        me: Entity,
-        filter: &SpatialQueryFilter,
-        region: Span,
-        memory: Vec<Solid<'a>>,
-    ) -> Around<'a> {
-        let mut around = Around::new(region, memory);
+    /// All that `me` may meet in a region, as `filter` lets it.
+    pub(super) fn gather(&'a self, me: Entity, filter: &SpatialQueryFilter, around: &mut Around<'a>) {
+        let region = around.region();
         let sound = region.least.is_finite() && region.most.is_finite();
         let bounds = ColliderAabb::from_min_max(region.least, region.most);
         let mut add = |collider: Entity| {
@@ -137,11 +126,15 @@ impl<'a> Space<'a, 'a> {
                 true
             });
         }
-        around
     }
 }
 
 impl View<'_> {
+    /// Gathers what is near.
+    pub(super) fn look_around(&mut self) {
+        self.space.gather(self.me, &self.filter, &mut self.around);
+    }
+
     /// The surface straight below (or above) `from`, within `reach` metres.
     pub(super) fn floor(&self, from: Vec3, direction: Dir3, reach: f32) -> Option<Floor> {
         if !from.is_finite() || !reach.is_finite() {

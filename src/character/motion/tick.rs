@@ -30,7 +30,7 @@ use crate::{
 };
 
 /// A root moved by others less than this, in metres, was only rounded.
-const ROUNDING: f32 = 1e-3;
+pub(super) const ROUNDING: f32 = 1e-3;
 
 /// A root moved by others this far, in metres, or pushed out of geometry this far, has teleported.
 const TELEPORT: f32 = 0.3;
@@ -42,10 +42,10 @@ const LONGEST_RIDE: f32 = 3.0;
 const RECHECKS: u8 = 2;
 
 /// Half-life in seconds over which a grade slows a run.
-const GRADE_HALF_LIFE: f32 = 0.15;
+pub(super) const GRADE_HALF_LIFE: f32 = 0.15;
 
 /// Rise over run beyond which a stride doesn't land: steep stairs have 0.9.
-const STEEPEST: f32 = 0.95;
+pub(super) const STEEPEST: f32 = 0.95;
 
 /// All that a tick reads.
 pub(super) struct Tick<'a> {
@@ -78,7 +78,7 @@ impl Tick<'_> {
     }
 
     /// The shape that the body's next sweep is made with.
-    fn shape<'s>(&'s self, body: &MotionBody) -> &'s Collider {
+    pub(super) fn shape<'s>(&'s self, body: &MotionBody) -> &'s Collider {
         let posture = self.shapes.posture(body.crouched);
         if body.support.is_some() { &posture.raised } else { &posture.flying }
     }
@@ -208,7 +208,7 @@ impl Tick<'_> {
         above.map_or(Vec3::ZERO, |above| Vec3::Y * (above.height + 0.01 - at.y))
     }
 
-    fn turn(&self, body: &mut MotionBody, state: &mut MotionState) {
+    pub(super) fn turn(&self, body: &mut MotionBody, state: &mut MotionState) {
         let (intent, config) = (&self.intent, self.config);
         let wanted = intent.facing.unwrap_or(intent.velocity);
         let flat = Vec3::new(wanted.x, 0.0, wanted.z);
@@ -265,15 +265,22 @@ impl Tick<'_> {
         Travelled { before, way: body.position - from }
     }
 
+    /// The velocity that is wanted at the grade that the body feels.
+    pub(super) fn wanted(&self, body: &MotionBody) -> Vec3 {
+        slowed_by_grade(self.intent.velocity, self.config.walk_speed, body.grade, self.config.climb_slowing)
+    }
+
+    pub(super) fn rates(&self) -> SpeedRates {
+        let MotionConfig { acceleration, braking, reversal, .. } = *self.config;
+        SpeedRates { accelerate: acceleration, brake: braking, reverse: reversal }
+    }
+
     fn walk(&self, body: &mut MotionBody, slider: &mut Slider) {
-        let config = self.config;
-        let rates = SpeedRates { accelerate: config.acceleration, brake: config.braking, reverse: config.reversal };
         let rise =
             body.support.map_or(0.0, |support| rise_along(support.normal, direction_or(body.velocity, Vec3::ZERO)));
         let steeper = if rise.abs() > body.ahead.abs() { rise } else { body.ahead };
         body.grade = damp(body.grade, steeper, GRADE_HALF_LIFE, self.dt);
-        let wanted = slowed_by_grade(self.intent.velocity, config.walk_speed, body.grade, config.climb_slowing);
-        let velocity = approach_velocity(body.velocity, wanted, rates, self.dt);
+        let velocity = approach_velocity(body.velocity, self.wanted(body), self.rates(), self.dt);
         let way = (body.velocity + velocity) * 0.5 * self.dt;
         slider.velocity = velocity + body.frame_velocity;
         let walked = walk(slider, body, self.shapes, self.shapes.posture(body.crouched), way);

@@ -3,6 +3,7 @@
 mod air;
 mod bounds;
 mod contacts;
+mod glide;
 mod ground;
 mod platforms;
 mod stairs;
