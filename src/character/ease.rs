@@ -39,6 +39,12 @@ pub struct Ease {
     offsets: Vec<Offset>,
     /// How much of the offsets is left.
     share: Spring<f32>,
+    /// Whether nothing is left of them: ticks change nothing, frames show what lies between the last two poses by themselves.
+    direct: bool,
+    /// Where between the two it was seen last, when it no longer is so.
+    left: f32,
+    /// Seconds of the last tick.
+    tick: f32,
 }
 
 /// What takes a joint from how it is posed now to how it was posed before.
@@ -53,15 +59,24 @@ impl Ease {
     fn advance(&mut self, pacing: &Pacing, pose: &mut [JointTransform], dt: f32) {
         self.share.step(0.0, HALF_LIFE, dt);
         self.since += dt;
+        self.tick = dt;
         let (was, due) = (self.stepped, pacing.due.is_some());
         self.stepped = if let Mode::Stepped(step) = pacing.mode { Some(step) } else { None };
+        let in_time = self.stepped.is_some_and(|step| !due || self.since + EARLY >= step);
+        let steady = was.is_some() && in_time && self.share.value <= OVER;
+        if let (true, Some(step)) = (self.direct, was) {
+            self.left = self.share(self.lag(step));
+        }
+        self.direct = steady && (self.direct || due);
         match (was, self.stepped) {
             _ if pacing.mode == Mode::Hidden => return self.share = Spring::at(0.0),
-            (Some(step), None) => self.begin(pose, |ease, joint, posed| (ease.between(joint, step, posed), *posed)),
-            (Some(step), Some(_)) if due && self.since + EARLY < step => {
+            (Some(step), None) => {
+                self.begin(pose, |ease, joint, posed| (ease.between(joint, ease.lag(step) - dt, posed), *posed))
+            }
+            (Some(step), Some(_)) if !in_time => {
                 // It didn't wait: what was still to be seen of the last two poses isn't.
                 self.begin(pose, |ease, joint, posed| {
-                    (ease.between(joint, step, posed), ease.between(joint, 0.0, posed))
+                    (ease.between(joint, ease.lag(step) - dt, posed), ease.between(joint, 0.0, posed))
                 });
             }
             _ => {}
@@ -77,12 +92,15 @@ impl Ease {
             }
             _ => {}
         }
+        if self.direct {
+            return;
+        }
         if let (None, Some(step)) = (was, self.stepped) {
-            self.begin(pose, |ease, joint, posed| (*posed, ease.between(joint, step, posed)));
+            self.begin(pose, |ease, joint, posed| (*posed, ease.between(joint, ease.lag(step) - dt, posed)));
         }
         if let Some(step) = self.stepped {
             for (joint, seen) in pose.iter_mut().enumerate() {
-                *seen = self.between(joint, step, seen);
+                *seen = self.between(joint, self.lag(step) - dt, seen);
             }
         }
         if self.share.value > OVER {
@@ -103,13 +121,38 @@ impl Ease {
         pacing.mode == Mode::Every && self.stepped.is_none() && self.share.value <= OVER
     }
 
-    /// The joint as it was `step` seconds ago; as `posed` now where that isn't known, as in a model that has changed.
-    fn between(&self, joint: usize, step: f32, posed: &JointTransform) -> JointTransform {
+    /// Whether frames show what lies between the last two poses, of which the older one is given.
+    pub(super) fn direct(&self) -> Option<&[JointTransform]> {
+        self.direct.then_some(&self.keys[0])
+    }
+
+    /// Where between the last two poses a frame lies that is seen `after` seconds after the last tick, 0..=1.
+    pub(super) fn seen(&self, after: f32) -> f32 {
+        self.share(self.lag(self.stepped.unwrap_or(0.0)) - after)
+    }
+
+    /// The same for the last tick in which frames showed that.
+    pub(super) fn left(&self) -> f32 {
+        self.left
+    }
+
+    /// Seconds by which poses of such steps are seen late: as long as the last one took, in whole ticks, unless it was cut short.
+    fn lag(&self, step: f32) -> f32 {
+        self.span.max(step - self.tick)
+    }
+
+    /// Where between the keys lies what was `ago` seconds before now, 0..=1.
+    fn share(&self, ago: f32) -> f32 {
+        let share = if self.span > 0.0 { (self.span + self.since - ago) / self.span } else { 1.0 };
+        share.clamp(0.0, 1.0)
+    }
+
+    /// The joint as it was `ago` seconds ago; as `posed` now where that isn't known, as in a model that has changed.
+    fn between(&self, joint: usize, ago: f32, posed: &JointTransform) -> JointTransform {
         let [Some(from), Some(to)] = [0, 1].map(|key| self.keys[key].get(joint).copied()) else {
             return *posed;
         };
-        let share = if self.span > 0.0 { (self.span + self.since - step) / self.span } else { 1.0 };
-        lerp(from, to, share.clamp(0.0, 1.0))
+        lerp(from, to, self.share(ago))
     }
 
     /// From now on something else is seen: `pair` gives how a joint would be seen so far, and how it will be.
@@ -164,8 +207,12 @@ pub(super) fn ease(
         if hidden {
             ease.advance(pacing, &mut [], dt);
         } else {
-            ease.advance(pacing, pose.pose.locals_mut(), dt);
-            pose.pose.update_model(&asset.skeleton);
+            // What isn't due isn't touched, so that nobody takes it for changed.
+            let direct = ease.direct && pacing.due.is_none();
+            ease.advance(pacing, if direct { &mut [] } else { pose.pose.locals_mut() }, dt);
+            if !ease.direct {
+                pose.pose.update_model(&asset.skeleton);
+            }
         }
     });
 }

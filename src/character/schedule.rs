@@ -97,6 +97,12 @@ impl PoseClock {
         (1.0 - (1.0 - share) / self.ticks).clamp(0.0, 1.0)
     }
 
+    /// Seconds after the last pose but one that are shown by a frame that shows `share` of its last tick.
+    #[must_use]
+    pub fn shown_secs(&self, share: f32) -> f32 {
+        self.share(share) * self.delta
+    }
+
     /// One tick of `step` seconds, with `ahead` more of them to come in this frame.
     fn advance(&mut self, step: f32, ahead: u32) {
         self.waited += step;

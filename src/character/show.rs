@@ -6,24 +6,29 @@
 use bevy::{math::Affine3A, prelude::*};
 
 use super::{
+    Character,
     animator::CharacterPose,
+    bind::CharacterAssets,
     detail::{Mode, Pacing},
+    ease::Ease,
     motion::MotionState,
     schedule::{PoseClock, PoseSystems},
 };
 use crate::anim::{
     blend::{between_models, lerp},
     pose::Pose,
-    skeleton::JointTransform,
+    skeleton::{JointTransform, Skeleton},
 };
 
-/// The poses of the last two ticks, the older one first. Its buffers are made when it is first posed.
+/// The poses of the last two ticks, or steps, the older one first. Its buffers are made when it is first posed.
 #[derive(Component, Clone, Debug, Default)]
 pub struct Ticked {
     models: [Vec<Affine3A>; 2],
     /// Empty for who has no [`ShowLocals`].
     locals: [Vec<JointTransform>; 2],
     teleports: u32,
+    /// The two are poses of steps that take more than a tick: level of detail.
+    direct: bool,
 }
 
 /// Has local transforms shown between ticks, too; without it [`CharacterPose`] keeps those of the last tick.
@@ -53,6 +58,36 @@ impl Ticked {
             if !known {
                 fill(&mut self.locals[0], pose.locals());
             }
+        }
+    }
+
+    /// From now on steps are recorded: the last one was `before`, local transforms.
+    fn begin_steps(&mut self, pose: &mut Pose, skeleton: &Skeleton, before: &[JointTransform], locals: bool) {
+        if before.len() != pose.len() {
+            return;
+        }
+        let swap = |pose: &mut Pose, with: &mut Vec<JointTransform>| {
+            pose.locals_mut().swap_with_slice(with);
+            pose.update_model(skeleton);
+        };
+        let mut other = before.to_vec();
+        swap(pose, &mut other);
+        fill(&mut self.models[1], pose.models());
+        if locals {
+            fill(&mut self.locals[1], before);
+        }
+        swap(pose, &mut other);
+    }
+
+    /// From now on ticks are recorded again: the last one was seen `share` of the way between the steps.
+    fn end_steps(&mut self, share: f32) {
+        let [from, to] = &mut self.models;
+        for (from, to) in from.iter().zip(to) {
+            *to = between_models(from, to, share);
+        }
+        let [from, to] = &mut self.locals;
+        for (from, to) in from.iter().zip(to) {
+            *to = lerp(*from, *to, share);
         }
     }
 
@@ -88,26 +123,49 @@ impl Plugin for ShowPlugin {
     }
 }
 
-fn record(mut characters: Query<(&mut CharacterPose, &MotionState, Option<&Pacing>, Has<ShowLocals>, &mut Ticked)>) {
-    characters.par_iter_mut().for_each(|(mut pose, motion, pacing, locals, mut ticked)| {
-        let hidden = pacing.is_some_and(|pacing| pacing.mode == Mode::Hidden);
-        if !hidden {
-            let returns = pacing.is_some_and(|pacing| pacing.returns);
-            let jumped = core::mem::replace(&mut ticked.teleports, motion.teleports) != motion.teleports;
-            ticked.record(&mut pose.pose, locals, jumped || returns);
+fn record(
+    assets: CharacterAssets,
+    mut characters: Query<(
+        &Character,
+        &mut CharacterPose,
+        &MotionState,
+        Option<(&Pacing, &Ease)>,
+        Has<ShowLocals>,
+        &mut Ticked,
+    )>,
+) {
+    characters.par_iter_mut().for_each(|(character, mut pose, motion, detail, locals, mut ticked)| {
+        let mut returns = false;
+        if let Some((pacing, ease)) = detail {
+            let steps = ease.direct();
+            if pacing.mode == Mode::Hidden || (ticked.direct && steps.is_some() && pacing.due.is_none()) {
+                return;
+            }
+            returns = pacing.returns;
+            match (ticked.direct, steps, assets.get(character)) {
+                (false, Some(before), Some(asset)) => {
+                    ticked.begin_steps(&mut pose.pose, &asset.skeleton, before, locals);
+                }
+                (true, None, _) => ticked.end_steps(ease.left()),
+                _ => {}
+            }
+            ticked.direct = steps.is_some();
         }
+        let jumped = core::mem::replace(&mut ticked.teleports, motion.teleports) != motion.teleports;
+        ticked.record(&mut pose.pose, locals, jumped || returns);
     });
 }
 
 fn show(
     fixed: Res<Time<Fixed>>,
     clock: Res<PoseClock>,
-    mut characters: Query<(&Ticked, Option<&Pacing>, &mut CharacterPose)>,
+    mut characters: Query<(&Ticked, Option<(&Pacing, &Ease)>, &mut CharacterPose)>,
 ) {
-    let share = clock.share(fixed.overstep_fraction());
-    characters.par_iter_mut().for_each(|(ticked, pacing, mut pose)| {
-        if pacing.is_none_or(|pacing| pacing.mode != Mode::Hidden) {
-            ticked.show(&mut pose.pose, share);
-        }
+    let overstep = fixed.overstep_fraction();
+    let (share, after) = (clock.share(overstep), clock.shown_secs(overstep));
+    characters.par_iter_mut().for_each(|(ticked, detail, mut pose)| match detail {
+        Some((pacing, _)) if pacing.mode == Mode::Hidden => {}
+        Some((_, ease)) if ticked.direct => ticked.show(&mut pose.pose, ease.seen(after)),
+        _ => ticked.show(&mut pose.pose, share),
     });
 }

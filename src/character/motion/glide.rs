@@ -49,10 +49,12 @@ impl Tick<'_> {
     /// The line ahead for `seconds`, after a tick that looked; `None` where the body has to look again.
     pub(super) fn line_ahead(&self, body: &MotionBody, seconds: f32) -> Option<Line> {
         let support = body.support.filter(|_| seconds > self.dt && body.checks == 0 && !self.intent.jump)?;
-        let ground = self.view.body(support.collider, self.dt)?;
-        let rests = ground.now == ground.next && !ground.dynamic && body.frame_velocity == Vec3::ZERO;
         let wanted = self.wanted(body);
-        if !rests || self.intent.crouch != body.crouched || body.velocity.distance(wanted) > STEADY {
+        if !self.rests(support.collider)
+            || body.frame_velocity != Vec3::ZERO
+            || self.intent.crouch != body.crouched
+            || body.velocity.distance(wanted) > STEADY
+        {
             return None;
         }
         let way = (body.velocity + wanted) * (0.5 * seconds);
@@ -74,8 +76,16 @@ impl Tick<'_> {
         met.is_none_or(|hit| hit.safe >= way.length()).then(|| line(rise))
     }
 
-    /// Goes on along `line` if that may be done, else gives false and does nothing.
+    /// Whether the ground is there and doesn't move.
+    fn rests(&self, collider: Entity) -> bool {
+        self.view.body(collider, self.dt).is_some_and(|ground| ground.now == ground.next && !ground.dynamic)
+    }
+
+    /// Goes on along the line that was seen, if that may be done; else gives false and does nothing.
     pub(super) fn glides(&self, body: &mut MotionBody, state: &mut MotionState) -> bool {
+        if body.checks > 0 {
+            return false;
+        }
         let Some(line) = body.line.as_mut().filter(|line| line.left >= self.dt && line.intent == self.intent) else {
             return false;
         };
@@ -83,7 +93,7 @@ impl Tick<'_> {
         let moved = self.transform.translation.distance(written.translation);
         let turned = (twist_angle(self.transform.rotation, Vec3::Y) - written.yaw).abs();
         // Also where either isn't a number.
-        if !(moved <= ROUNDING && turned <= TURNED) {
+        if !(moved <= ROUNDING && turned <= TURNED && self.rests(support.collider)) {
             return false;
         }
         line.left -= self.dt;

@@ -195,12 +195,13 @@ fn move_characters(
             let solids = recycled(core::mem::take(&mut **memory));
             let around = Around::new(region(&body, shapes, &intent, dt), solids);
             let mut tick = Tick { view: View { space, me, filter, around }, config, shapes, intent, transform, dt };
-            if !tick.glides(&mut body, &mut state) {
+            let seconds = glide.map_or(0.0, |glide| glide.0);
+            if seconds <= 0.0 || !tick.glides(&mut body, &mut state) {
                 tick.view.look_around();
                 tick.run(&mut body, &mut state);
                 // Neighbours look at different times.
                 let share = 0.75 + 0.25 * (me.index_u32() as f32 * 0.618_034).fract();
-                body.line = glide.and_then(|glide| tick.line_ahead(&body, glide.0 * share));
+                body.line = tick.line_ahead(&body, seconds * share);
             }
             **memory = tick.view.around.into_memory();
         },

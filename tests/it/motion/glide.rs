@@ -91,3 +91,16 @@ fn who_looks_seldom_rides_what_moves() {
     let at = root(&app, walker);
     assert!((at - Vec3::new(0.5, 1.0, 0.0)).length() < 0.15, "rides to {at} on what went to (0.5, 1.0, 0)");
 }
+
+#[test]
+fn who_looks_seldom_falls_as_soon_as_the_ground_is_gone() {
+    let mut app = world(HZ);
+    flat(&mut app);
+    let floor = block(&mut app, Vec3::new(0.0, 1.0, 0.0), Vec3::new(40.0, 2.0, 40.0), Quat::IDENTITY);
+    let walker = glider(&mut app, Vec3::Y * 2.0);
+    go(&mut app, walker, Vec3::NEG_Z * 1.5);
+    updates(&mut app, 64);
+    app.world_mut().despawn(floor);
+    updates(&mut app, 4);
+    assert!(state(&app, walker).ground.is_none(), "stands on {:?}", state(&app, walker).ground);
+}
