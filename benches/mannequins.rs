@@ -87,7 +87,8 @@ impl Mannequins {
         for mut intent in intents.iter_mut(app.world_mut()) {
             intent.velocity *= 2.5;
         }
-        for _ in 0..40 {
+        // With a viewer until everyone has settled on a level.
+        for _ in 0..if viewer == Viewer::Camera { 150 } else { 40 } {
             app.update();
         }
         Self { app }

@@ -12,6 +12,7 @@ use super::{
     motion::Glide,
     schedule::{PoseClock, PoseSystems},
 };
+use crate::rig::tuning::locomotion::TransitionBlend;
 
 /// How thoroughly a character is posed. May change at any time: the pose goes on without a jump.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -117,8 +118,9 @@ impl Plugin for DetailPlugin {
 fn pace(clock: Res<PoseClock>, mut characters: Query<(Entity, &Detail, &mut Pacing, &mut Glide, Option<&Locomotion>)>) {
     for (entity, detail, mut pacing, mut glide, locomotion) in &mut characters {
         glide.set_if_neq(Glide(detail.glide));
-        // An inertialized change of state begins with the pose that it leaves.
-        let at_once = locomotion.is_some_and(|locomotion| locomotion.taken.is_some());
+        // An inertialized change of state begins with the pose that it leaves; others fade by themselves.
+        let taken = locomotion.and_then(|locomotion| locomotion.taken);
+        let at_once = taken.is_some_and(|taken| taken.blend != TransitionBlend::CrossFade);
         // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.
         let stagger = (entity.index_u32() as f32 * 0.618_034).fract();
         pacing.advance(detail, at_once, stagger, clock.delta_secs());
