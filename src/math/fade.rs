@@ -25,7 +25,9 @@ impl Fade {
     /// Sends it to `target`, 0..=1, within `seconds`; at once for 0.
     pub fn send_to(&mut self, target: f32, seconds: f32) {
         let (start, slope) = self.now();
-        *self = Self { start, slope, target, elapsed: 0.0, seconds: seconds.max(0.0) };
+        // Who rests there already has no way to go.
+        let seconds = if (start - target).abs() + slope.abs() <= 0.0 { 0.0 } else { seconds.max(0.0) };
+        *self = Self { start, slope, target, elapsed: 0.0, seconds };
     }
 
     /// Lets `dt` seconds pass.
