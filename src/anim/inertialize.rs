@@ -50,7 +50,7 @@ fn fill(buffer: &mut Vec<JointTransform>, pose: &[JointTransform]) {
 /// Decaying offsets of a whole pose. It has memory only from [`begin`](Self::begin) until it is [at rest](Self::rest).
 #[derive(Clone, Debug, Default)]
 pub struct Inertializer {
-    memory: Option<Box<Offsets>>,
+    memory: Option<Offsets>,
     /// Whether the new clip was seen in but one frame, and it is still to be found out how it moves.
     begun: bool,
     elapsed: f32,
@@ -67,7 +67,7 @@ impl Inertializer {
     }
 
     /// Takes the last two poses, where it doesn't [remember](Self::remembers) them.
-    pub fn recall(&mut self, memory: Box<Offsets>) {
+    pub fn recall(&mut self, memory: Offsets) {
         self.memory = Some(memory);
     }
 
@@ -77,7 +77,7 @@ impl Inertializer {
     /// The new pose's own motion is added `at_once`, or eased in like its place. Without two known poses there is nothing to
     /// carry over.
     pub fn begin(&mut self, pose: &[JointTransform], dt: f32, seconds: f32, at_once: bool) {
-        let Some(Offsets { offsets, last, before }) = self.memory.as_deref_mut() else { return };
+        let Some(Offsets { offsets, last, before }) = self.memory.as_mut() else { return };
         (self.begun, self.elapsed, self.seconds, self.rested) = (!at_once, 0.0, seconds, 0);
         let per_second = 1.0 / dt.max(1e-4);
         offsets.clear();
@@ -91,7 +91,7 @@ impl Inertializer {
 
     /// Adds what is left of the offset to `pose`, `dt` seconds later. Gives whether there was any.
     pub fn apply(&mut self, pose: &mut [JointTransform], dt: f32) -> bool {
-        let Some(memory) = self.memory.as_deref_mut() else { return false };
+        let Some(memory) = self.memory.as_mut() else { return false };
         self.elapsed += dt;
         if self.elapsed >= self.seconds {
             return false;
@@ -111,14 +111,14 @@ impl Inertializer {
 
     /// Remembers a finished pose, as long as something is carried over.
     pub fn record(&mut self, pose: &[JointTransform]) {
-        if let Some(memory) = self.memory.as_deref_mut() {
+        if let Some(memory) = self.memory.as_mut() {
             core::mem::swap(&mut memory.last, &mut memory.before);
             memory.set_last(pose);
         }
     }
 
     /// Once a frame, after [`record`](Self::record): gives the memory back when nothing was left in the last two poses.
-    pub fn rest(&mut self) -> Option<Box<Offsets>> {
+    pub fn rest(&mut self) -> Option<Offsets> {
         if self.elapsed < self.seconds {
             return None;
         }
@@ -155,7 +155,7 @@ mod tests {
 
     /// Two poses were shown.
     fn after(before: f32, last: f32) -> Inertializer {
-        let mut memory = Box::new(Offsets::default());
+        let mut memory = Offsets::default();
         memory.set_before(&bent(before));
         memory.set_last(&bent(last));
         let mut inertializer = Inertializer::default();

@@ -71,7 +71,7 @@ impl Ease {
         match (was, self.stepped) {
             _ if pacing.mode == Mode::Hidden => return self.share = Spring::at(0.0),
             (Some(step), None) => {
-                self.begin(pose, |ease, joint, posed| (ease.between(joint, ease.lag(step) - dt, posed), *posed))
+                self.begin(pose, |ease, joint, posed| (ease.between(joint, ease.lag(step) - dt, posed), *posed));
             }
             (Some(step), Some(_)) if !in_time => {
                 // It didn't wait: what was still to be seen of the last two poses isn't.

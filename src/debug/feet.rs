@@ -107,8 +107,8 @@ fn draw(
         let Some(asset) = assets.get(character).filter(|_| feet[0].is_some()) else { continue };
         pen.eye = nearest_eye(&cameras, root.translation);
         let probe = PhysicsProbe::new(&spatial, &no_ground, filter);
-        for side in 0..2 {
-            let Some(placed) = feet[side] else { continue };
+        for (side, placed) in feet.into_iter().enumerate() {
+            let Some(placed) = placed else { continue };
             let foot = &ik.feet[side];
             pen.probes(&placed, &probe, root, asset);
             pen.sole(&placed, color_of(&foot.mode));

@@ -185,7 +185,7 @@ struct Scratch {
     plays: Vec<Play>,
     work: LocalWorkspace,
     /// Given back by those who ease no longer.
-    spare: Vec<Box<Offsets>>,
+    spare: Vec<Offsets>,
 }
 
 /// Samples and blends clips, lays actions over them, leans the body and shuts the eyes now and then.
