@@ -54,16 +54,19 @@
 //!
 //! # Crowds
 //!
-//! A [`Detail`](character::detail::Detail) says how often and how thoroughly a character is posed. What lies between poses is
-//! blended, feet and gaze fade, and who is hidden keeps its place and its phase. With the feature `render` a `ScreenDetail` sets it by
-//! the character's size on the screen, as the resource `DetailLevels` says. The player's own character has neither.
+//! A [`Detail`](character::detail::Detail) says how often and how thoroughly a character is posed, and how seldom its controller
+//! looks where it goes. What lies between poses is blended, feet and gaze fade, and who is hidden keeps its place and its phase.
+//! With the feature `render` a `ScreenDetail` sets it by the character's size on the screen, as the resource
+//! [`DetailLevels`](character::levels::DetailLevels) says. The player's own character has neither. Frames that a crowd fills are
+//! posed once each by [`PoseClock::at_most(1)`](character::schedule::PoseClock::at_most); on few cores Bevy keeps one thread
+//! for all of this unless `TaskPoolOptions::compute` says more.
 //!
 //! ```
 //! use bevy::prelude::*;
 //! use surefoot::character::{Character, detail::Detail};
 //!
 //! fn spawn_passer_by(mut commands: Commands, assets: Res<AssetServer>) {
-//!     let far = Detail { step: 1.0 / 30.0, feet: false, look: false, ..default() };
+//!     let far = Detail { step: 1.0 / 32.0, feet: false, look: false, glide: 0.1, ..default() };
 //!     commands.spawn((Character(assets.load("mannequin.character.ron")), far));
 //! }
 //! # bevy::ecs::system::assert_is_system(spawn_passer_by);
