@@ -129,6 +129,8 @@ pub struct Body {
     pub size: f32,
     /// Length of its feet as a factor.
     pub feet: f32,
+    /// Whether its feet bend at the toes; else each is one piece.
+    pub toes: bool,
     /// Whether it carries feet as a mesh.
     pub mesh: bool,
 }
@@ -146,7 +148,7 @@ impl Default for Body {
             "rightFoot",
             "rightToes",
         ];
-        Self { names, size: 1.0, feet: 1.0, mesh: true }
+        Self { names, size: 1.0, feet: 1.0, toes: true, mesh: true }
     }
 }
 
@@ -160,14 +162,15 @@ impl Body {
         let mut node = |name: &str, at: [f32; 3], children: &[usize]| {
             file.push("nodes", json!({ "name": name, "translation": at, "children": children }))
         };
-        node("root", [0.0; 3], &[1]);
+        node("root", [0.0; 3], if self.toes { &[1] } else { &[1, 5, 9] });
         node(self.names[0], scaled(0.0, 0.95, 0.0), &[2, 6, 10]);
         for side in [1, 5] {
             let x = if side == 1 { 0.09 } else { -0.09 };
             node(self.names[side], scaled(x, 0.0, 0.0), &[side + 2]);
             node(self.names[side + 1], scaled(0.0, -0.44, 0.005), &[side + 3]);
-            node(self.names[side + 2], scaled(0.0, -0.44, -0.005), &[side + 4]);
-            node(self.names[side + 3], scaled(0.0, -0.05, 0.13 * self.feet), &[]);
+            let (toes, below) = if self.toes { (self.names[side + 3], &[side + 4][..]) } else { ("nothing", &[][..]) };
+            node(self.names[side + 2], scaled(0.0, -0.44, -0.005), below);
+            node(toes, scaled(0.0, -0.05, 0.13 * self.feet), &[]);
         }
         node("head", scaled(0.0, 0.7, 0.0), &[]);
         file.root["nodes"].as_array_mut().expect("nodes").iter_mut().for_each(|node| {
@@ -195,7 +198,7 @@ impl Body {
                             pick(1, 0.0, 0.08),
                             self.feet * pick(2, back, front),
                         ));
-                        slots.push([joint as u8, 0, 0, 0]);
+                        slots.push([if self.toes { joint } else { foot } as u8, 0, 0, 0]);
                     }
                 }
             }

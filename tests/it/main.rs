@@ -16,6 +16,7 @@ mod determinism;
 mod face;
 mod feet;
 mod foreign;
+mod foreign_feet;
 mod gltf_file;
 mod heap;
 mod layers;

@@ -224,8 +224,10 @@ impl FootState {
         self.flight.ball = ball;
         self.hovers = self.flight.hovers * (1.0 - eased);
         if self.mode == Mode::Swing {
-            // Clips blended across each other may drag their feet.
-            self.flight.lift = (CLEARS * around.size * self.flight.amid() - self.height(foot)).max(0.0);
+            // Clips blended across each other may drag their feet; who swings them through the floor clears it three times as high.
+            let sunk = (-foot.lowest() / (CLEARS * around.size)).clamp(0.0, 1.0);
+            let clears = CLEARS * around.size * (1.0 + 2.0 * sunk);
+            self.flight.lift = (clears * self.flight.amid() - self.height(foot)).max(0.0);
         }
         let done = self.flight.done(landing, eased, SHORT_WAY * around.size);
         let behind = if self.mode == Mode::Swing { 0.0 } else { self.flight.stays_behind(foot.forward) };
@@ -233,7 +235,9 @@ impl FootState {
         self.align = self.flight.align.slerp(self.landing.align, eased);
         let (later, over) = POINTS;
         let down = self.landing.step_down(self.flight.ground(), around.size);
-        let points = TOES_DOWN * down * ease(((self.flight.share - later) / over).clamp(0.0, 1.0));
+        // A foot without toes comes down flat: its tip would go ahead into the step.
+        let points = if around.sole.bends { TOES_DOWN } else { 0.0 };
+        let points = points * down * ease(((self.flight.share - later) / over).clamp(0.0, 1.0));
         self.toes_down = damp(self.toes_down, points, FOLLOWS, around.dt);
         let flat_sole = self.landing.over_edge || down > 0.5;
         self.flatten.step(if flat_sole { 1.0 } else { 0.0 }, 0.05, around.dt);

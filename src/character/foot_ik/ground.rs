@@ -4,6 +4,8 @@
 
 use bevy::prelude::*;
 
+use super::board::{Profile, resting};
+
 /// Where a probe met the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundHit {
@@ -98,6 +100,8 @@ pub struct SoleShape {
     pub ankle: f32,
     /// Height of the ankle joint over the sole.
     pub ankle_height: f32,
+    /// Whether it bends at the toes, so that the heel lifts while they lie flat.
+    pub bends: bool,
 }
 
 /// Length in metres of the sole that the lengths below are meant for: the mannequin's. They scale with it.
@@ -133,15 +137,13 @@ impl Footprint {
 }
 
 /// Metres that a sole may sink at heel or tip without counting as stuck; rough ground is never a plane.
-const TOLERATED: f32 = 0.004;
+pub(super) const TOLERATED: f32 = 0.004;
 /// Metres between the places that a landing tries.
 const SHIFT_STEP: f32 = 0.02;
 /// Metres of unevenness under a sole that a pitch of the foot takes up; more is an edge.
 const PITCHED: f32 = 0.06;
 /// Metres by which a foot that finds no room is propped up at one end rather than sunk in.
-const PROPPED: f32 = 0.16;
-/// Steepest slope, rise over run, of a sole that rests on two edges: 31°.
-const STEEP: f32 = 0.6;
+pub(super) const PROPPED: f32 = 0.16;
 /// Metres before and behind the ball that must still carry it: toes and heel may hang over an edge, the ball not.
 const FOOTING: f32 = 0.03;
 /// Metres that toes keep from a riser ahead, so that they clear it when they lift; and a heel from one behind, so that it
@@ -154,13 +156,11 @@ pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, so
     let under_ball = reach.at(probe, ball)?;
     let size = sole.size();
     let ground = |along: f32| reach.height(probe, ball + forward * along).unwrap_or(f32::NEG_INFINITY);
-    // Along the sole: from the ball back to the heel and forward to the tip; the waist finds an edge that both straddle.
-    let points = [-sole.heel, -0.5 * sole.heel, sole.tip].map(|along| (along, ground(along) - under_ball.point.y));
+    let profile = Profile::of(sole, 1.0, |along| ground(along) - under_ball.point.y);
     let rise_of = |normal: Vec3| -normal.dot(forward) / normal.y.max(0.2);
-    let over = |slope: f32| points.map(|(along, height)| (along, height - slope * along));
+    let over = |slope: f32| profile.over(slope);
     let mut slope = rise_of(under_ball.normal);
-    let worst =
-        over(slope).into_iter().fold((0.0, 0.0f32), |worst, point| if point.1 > worst.1 { point } else { worst });
+    let worst = over(slope).fold((0.0, 0.0f32), |worst, point| if point.1 > worst.1 { point } else { worst });
     let level = slope;
     if worst.1 > 0.0 && worst.1 < PROPPED * size {
         slope += worst.1 / worst.0;
@@ -171,43 +171,20 @@ pub fn footprint(probe: &impl Probe, reach: Reach, ball: Vec3, forward: Vec3, so
     let riser = ground(toes) - under_ball.point.y - slope * toes;
     let drop = |along: f32| under_ball.point.y + slope * along - ground(along);
     let edge = drop(FOOTING * size).max(drop(-FOOTING * size));
-    let stuck = over(judged).into_iter().map(|point| point.1).fold(0.0, f32::max);
+    let stuck = over(judged).map(|point| point.1).fold(0.0, f32::max);
     let heel = sole.heel + HEEL_ROOM * size;
     let behind = ground(-heel) - under_ball.point.y + slope * heel;
     // On the brink or on what is too steep is bad, in a riser worse.
     let steep = under_ball.normal.y < reach.upright;
     let stuck = if steep || edge.max(behind) > PITCHED * size { stuck.max(2.0 * TOLERATED * size) } else { stuck };
-    let rest = resting(points, slope, size);
-    let [(_, heel), ..] = over(rest.slope);
+    let rest = resting(&profile, slope, sole, |along| ground(along) - under_ball.point.y);
+    let heel = over(rest.slope).next().map_or(0.0, |(_, height)| height);
     Some(Footprint {
         ball: GroundHit { point: under_ball.point + Vec3::Y * rest.lift, ..under_ball },
         normal: pitched(under_ball.normal, forward, rest.slope),
         stuck: if riser > PITCHED * size { stuck.max(riser) } else { stuck },
         heel_gap: (rest.lift - heel).max(0.0),
     })
-}
-
-/// How a sole rests: its slope along the foot, and the ball's height over the ground below it in metres.
-#[derive(Clone, Copy, Debug)]
-struct Rest {
-    slope: f32,
-    lift: f32,
-}
-
-/// How a sole rests over `points` (metres along the foot from the ball, and over its ground): as `slope` says, unless it would
-/// stick in them; then on the two that carry it with the ball as low as may be. Nothing rests on what is too high to step on.
-fn resting(points: [(f32, f32); 3], slope: f32, size: f32) -> Rest {
-    let lift = |slope: f32| points.into_iter().map(|(along, height)| height - slope * along).fold(0.0, f32::max);
-    let flat = Rest { slope, lift: 0.0 };
-    if lift(slope) <= TOLERATED * size.min(1.0) {
-        return flat;
-    }
-    let [heel, waist, tip] = points;
-    let pairs = [heel, waist, (0.0, 0.0)].map(|behind| (tip.1 - behind.1) / (tip.0 - behind.0));
-    let slopes = pairs.into_iter().chain([slope]).filter(|slope| slope.is_finite());
-    let rests = slopes.map(|slope| slope.clamp(-STEEP, STEEP)).map(|slope| Rest { slope, lift: lift(slope) });
-    let lowest = rests.min_by(|a, b| a.lift.total_cmp(&b.lift));
-    lowest.filter(|rest| rest.lift <= PROPPED * size).unwrap_or(flat)
 }
 
 /// `normal` turned about the foot's side axis so that the plane rises by `slope` along `forward`.
@@ -267,7 +244,7 @@ mod tests {
         }
     }
 
-    const SOLE: SoleShape = SoleShape { heel: 0.19, tip: 0.075, ankle: 0.135, ankle_height: 0.07 };
+    const SOLE: SoleShape = SoleShape { heel: 0.19, tip: 0.075, ankle: 0.135, ankle_height: 0.07, bends: true };
     const REACH: Reach = Reach { root: Vec3::ZERO, up: 3.0, down: 3.0, upright: 0.6 };
 
     #[test]

@@ -4,6 +4,7 @@
 //! lowers the pelvis. Feet are placed in world space, legs solved in model space: metres, +Y up, the character faces -Z.
 
 mod air;
+mod board;
 mod body;
 mod carry;
 mod decide;
@@ -104,7 +105,8 @@ impl FootIk {
             let along = |from: Vec3, to: Vec3| (to - from).with_y(0.0).length();
             let ankle = rest.position(asset.legs[side].foot);
             let ankle_height = asset.legs[side].ankle_height(&asset.skeleton);
-            SoleShape { heel: along(heel, ball), tip: along(ball, tip), ankle: along(ankle, ball), ankle_height }
+            let bends = asset.legs[side].toes.is_some();
+            SoleShape { heel: along(heel, ball), tip: along(ball, tip), ankle: along(ankle, ball), ankle_height, bends }
         });
         Self { soles, ..Self::default() }
     }

@@ -129,7 +129,8 @@ impl FootState {
         let [heel, ball, tip] = [foot.heel, foot.ball, foot.tip].map(|point| point.y - foot.floor);
         let rolled = ROLLED * around.size;
         let (pivot, anchor) = match plant.pivot {
-            Pivot::Ball if ball > rolled + tip.max(0.0) && tip < heel => self.roll(Pivot::Tip, plant, plane, frame),
+            // A clip that pushes its tip into the floor is shown that much higher: what is lowest lies on the ground.
+            Pivot::Ball if ball > rolled + tip && tip < heel => self.roll(Pivot::Tip, plant, plane, frame),
             Pivot::Tip if ball <= tip => self.roll(Pivot::Ball, plant, plane, frame),
             pivot => (pivot, anchor),
         };
