@@ -68,3 +68,20 @@ fn feet_that_their_clip_drives_into_the_floor_clear_the_ground() {
     let skate = goes(asset.expect("it walks"), &World::flat(), 1.4).skate;
     assert!(skate <= 0.8, "feet skate {skate} cm/s");
 }
+
+#[test]
+fn who_stands_across_stairs_takes_treads_that_his_legs_reach() {
+    // So steep that his feet, side by side, would stand two risers apart: four fifths of a leg.
+    let world = World::stairs_up(14, 0.35, 0.12);
+    for step in [0u8, 3, 7] {
+        let turn = Quat::from_rotation_y(core::f32::consts::FRAC_PI_2);
+        let place = Transform::from_xyz(0.0, 0.0, -3.4 - 0.03 * f32::from(step)).with_rotation(turn);
+        let place = world.on_ground(&[place])[0];
+        let mut stage = Stage::on(&world);
+        let stands = stage.spawn_loaded(stiff_footed(1.0, 1.0), &[place])[0];
+        stage.run_for(1.0).start_recording(stands).run_for(0.5);
+        let measures = stage.measures(stands);
+        assert!(measures.penetration_max <= 5.0, "{} mm deep at {}", measures.penetration_max, place.translation);
+        assert!(measures.float_p95 <= 10.0, "{} mm over the ground at {}", measures.float_p95, place.translation);
+    }
+}

@@ -8,6 +8,7 @@
 use bevy::prelude::*;
 
 use super::{
+    body::Body,
     carry::Carry,
     flight::{Flight, ease},
     ground::{Plane, Probe},
@@ -166,6 +167,16 @@ impl FootState {
             Mode::Planted(plant) => Some(plant),
             _ => None,
         }
+    }
+
+    /// World height of the ground that it, foot `side` of `body`, will still stand on in `seconds`; before its first frame the
+    /// root's.
+    pub(super) fn level(&self, body: &Body<'_>, side: usize, seconds: f32) -> Option<f32> {
+        if !self.awake {
+            return Some(body.root.translation.y);
+        }
+        let stays = self.plant().is_some() && body.locomotion.cues[side].stands_for > seconds;
+        stays.then_some(self.base)
     }
 
     /// Whether it holds the ground by its forefoot, so that its heel may lift.

@@ -12,7 +12,10 @@ use super::{
     surroundings::{GroundFrames, Surroundings},
     turns::limited_align,
 };
-use crate::math::spring::{Spring, damp, damp_quat, remaining};
+use crate::{
+    math::spring::{Spring, damp, damp_quat, damp_vec3, remaining},
+    rig::tuning::foot_ik::TUNED_LEG,
+};
 
 /// Seconds before contact from which the landing is not moved any more.
 const SETTLED: f32 = 0.1;
@@ -36,6 +39,11 @@ const EDGE: f32 = 0.025;
 /// A lower step: from which height on, metres, a foot reaches for it with its toes, and by how much higher it does so fully.
 const STEP_DOWN: (f32, f32) = (0.06, 0.1);
 
+/// Height from one foot's ground to the other's, in lengths of the leg, that legs take in one step, and the places that are
+/// tried on the way back to the body from one that is further up or down.
+const HIGHEST: f32 = 0.6;
+const NEARER: u8 = 6;
+
 /// Room that feet look for, longer for their legs than the mannequin's, as a factor on what it looks for.
 const LONG_FEET: (f32, f32) = (1.0, 1.75);
 
@@ -51,6 +59,9 @@ pub(super) struct Landing {
     /// Metres along the foot from where the clip would land to where there is room; smoothed, and as found.
     shift: f32,
     wanted_shift: f32,
+    /// Metres from there to where legs reach, likewise.
+    nearer: Vec3,
+    wanted_nearer: Vec3,
     height: Spring<f32>,
     /// Whether the place is not moved any more; where the clip would land, and how far from there it has stayed behind.
     settled: bool,
@@ -95,6 +106,7 @@ impl Landing {
         self.ground = on.and_then(|on| Some((on, around.frames.frame(on)?)));
         let half_life = if first { 0.0 } else { FOLLOW.min(0.25 * time_left).max(0.01) };
         self.shift = damp(self.shift, self.wanted_shift, half_life, around.dt);
+        self.nearer = damp_vec3(self.nearer, self.wanted_nearer, half_life, around.dt);
         let level = print.map_or(height, |print| print.ball.point.y);
         let align = print.map_or(Quat::IDENTITY, |print| limited_align(print.normal, forward, around.config));
         if first {
@@ -104,12 +116,13 @@ impl Landing {
         self.height.step(level, half_life, around.dt);
         self.align = damp_quat(self.align, align, half_life, around.dt);
         self.over_edge = print.is_some_and(|print| print.heel_gap > EDGE * around.size);
-        self.place = (ball + forward * self.shift).with_y(self.height.value);
+        self.place = (ball + forward * self.shift + self.nearer).with_y(self.height.value);
         if time_left < SETTLED && !self.settled {
             self.settled = true;
-            self.behind += forward * self.wanted_shift;
+            self.behind += forward * self.wanted_shift + self.wanted_nearer;
             self.shift -= self.wanted_shift;
-            self.wanted_shift = 0.0;
+            self.nearer -= self.wanted_nearer;
+            (self.wanted_shift, self.wanted_nearer) = (0.0, Vec3::ZERO);
         }
     }
 
@@ -180,12 +193,46 @@ impl Landing {
             let (least, longest) = LONG_FEET;
             let most = around.config.landing_shift * (around.sole.size() / around.size).clamp(least, longest);
             let found = find_room(around.probe, around.reach, ball, forward, around.sole, self.wanted_shift, most);
-            found.map(|(shift, print)| {
-                self.wanted_shift = shift;
-                print
-            })
+            let nearer =
+                found.filter(|(_, print)| !around.may_step_to(print)).and_then(|_| self.nearer(ball, forward, around));
+            self.wanted_nearer = nearer.map_or(Vec3::ZERO, |(nearer, _)| nearer);
+            self.wanted_shift =
+                if nearer.is_some() { 0.0 } else { found.map_or(self.wanted_shift, |(shift, _)| shift) };
+            nearer.map(|(_, print)| print).or(found.map(|(_, print)| print))
         };
         self.probed = Some((seen, print));
+    }
+}
+
+impl Landing {
+    /// For what is too high or too low for legs that stand where the other foot does: a place nearer to the body that isn't,
+    /// the last one if it will do.
+    fn nearer<P: Probe, G: GroundFrames>(
+        &self,
+        ball: Vec3,
+        forward: Vec3,
+        around: &Surroundings<'_, P, G>,
+    ) -> Option<(Vec3, Footprint)> {
+        // A landing stays no further behind than that.
+        let back = flat(around.reach.root - ball).clamp_length_max(YIELDS * STAYS * around.size);
+        let tries = (1..=NEARER).map(|step| back * (f32::from(step) / f32::from(NEARER)));
+        let mut reached = None;
+        for shift in core::iter::once(self.wanted_nearer).chain(tries) {
+            let print = print_at(ball + shift, forward, around).filter(|print| around.may_step_to(print));
+            let Some(print) = print else { continue };
+            if print.has_room(&around.sole) {
+                return Some((shift, print));
+            }
+            reached = reached.or(Some((shift, print)));
+        }
+        reached
+    }
+}
+
+impl<P, G> Surroundings<'_, P, G> {
+    /// Whether legs bend and stretch far enough to stand on both.
+    fn may_step_to(&self, print: &Footprint) -> bool {
+        self.level.is_none_or(|level| (print.ball.point.y - level).abs() <= HIGHEST * TUNED_LEG * self.size)
     }
 }
 

@@ -220,6 +220,7 @@ impl FootIk {
                 size: body.size,
                 dt: body.dt,
                 other: self.feet[1 - side].plant().map(|plant| plant.pivot),
+                level: self.feet[1 - side].level(body, 1 - side, animated[side].time_to_contact),
                 halts: body.halts(),
                 may_restep: body.stands(),
             };

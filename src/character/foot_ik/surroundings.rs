@@ -81,6 +81,8 @@ pub struct Surroundings<'a, P, G> {
     pub dt: f32,
     /// By what the other foot holds the ground; `None` while it is in the air.
     pub other: Option<Pivot>,
+    /// World height of the ground that the other foot stands on, if it still does when this one lands.
+    pub level: Option<f32>,
     /// Whether what plays from now on doesn't step: feet in the air come down by themselves.
     pub halts: bool,
     /// Whether the character stands, so that the foot may correct its place.

@@ -16,6 +16,8 @@ pub struct FootCue {
     pub contact: f32,
     /// Seconds until it lands; 0 while it is on the ground.
     pub time_to_contact: f32,
+    /// Seconds for which it stays on the ground; 0 in the air, without end where nothing plays that steps.
+    pub stands_for: f32,
     /// Share of its swing that has passed, 0..1; 1 while it is on the ground.
     pub swing: f32,
     /// Where its ball lands, model space of the landing's own time; `None` when nothing plays that steps.
@@ -52,8 +54,8 @@ fn flat_ball(pose: &Pose, leg: &Leg) -> Vec3 {
 /// What all playing clips together say of `foot` (0 left, 1 right).
 pub(super) fn cue(locomotion: &Locomotion, asset: &CharacterAsset, foot: usize) -> FootCue {
     let machine = &locomotion.machine;
-    let mut cue = FootCue { swing: 1.0, ..FootCue::default() };
-    let mut heaviest = 0.0f32;
+    let mut cue = FootCue { swing: 1.0, stands_for: f32::INFINITY, ..FootCue::default() };
+    let (mut heaviest, mut leading) = (0.0f32, 0.0f32);
     let (mut landing, mut landing_weight) = (Vec3::ZERO, 0.0f32);
     for playing in locomotion.playing(asset) {
         let (gait, weight, phase) = (&playing.clip.gait, playing.weight, playing.gait_phase);
@@ -61,6 +63,11 @@ pub(super) fn cue(locomotion: &Locomotion, asset: &CharacterAsset, foot: usize) 
         cue.contact += weight * contact;
         if !machine.steps(playing.state) {
             continue;
+        }
+        if weight > leading {
+            leading = weight;
+            let stands = gait.phase_to_lift(foot, phase).unwrap_or(f32::INFINITY);
+            cue.stands_for = stands / machine.cycle_rate(playing.state).max(0.2);
         }
         if let Some(ball) = playing.landing[foot] {
             landing += ball * weight;
