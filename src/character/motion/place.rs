@@ -30,20 +30,18 @@ pub(super) fn build_shapes(
 pub(super) fn heed_moved_roots(
     mut characters: Query<(&MotionBody, &Transform, &mut TranslationEasingState, &mut RotationEasingState)>,
 ) {
-    for (body, transform, mut translation, mut rotation) in &mut characters {
+    characters.par_iter_mut().for_each(|(body, transform, mut translation, mut rotation)| {
         // What is not finite is left to the easing, which puts the last place back.
         if transform.is_finite() && body.shown.is_some_and(|shown| shown != *transform) {
             *translation = TranslationEasingState::default();
             *rotation = RotationEasingState::default();
         }
-    }
+    });
 }
 
 /// Remembers what the frame shows.
 pub(super) fn remember_shown_roots(mut characters: Query<(&mut MotionBody, &Transform)>) {
-    for (mut body, transform) in &mut characters {
-        body.shown = Some(*transform);
-    }
+    characters.par_iter_mut().for_each(|(mut body, transform)| body.shown = Some(*transform));
 }
 
 /// Roots go where the bodies are.
@@ -60,9 +58,18 @@ pub(super) fn place_roots(
         &mut TranslationEasingState,
     )>,
 ) {
-    for (mut body, state, shapes, mut transform, mut position, mut rotation, mut velocity, mut collider, mut easing) in
-        &mut characters
-    {
+    characters.par_iter_mut().for_each(|parts| {
+        let (
+            mut body,
+            state,
+            shapes,
+            mut transform,
+            mut position,
+            mut rotation,
+            mut velocity,
+            mut collider,
+            mut easing,
+        ) = parts;
         if body.jumped_place {
             // Shown where it is now, not on a way there.
             easing.start = None;
@@ -83,7 +90,7 @@ pub(super) fn place_roots(
             body.reshaped = false;
             *collider = shapes.posture(body.crouched).whole.clone();
         }
-    }
+    });
 }
 
 /// Dynamic bodies get the impulses of this tick, in the order of the characters.
