@@ -10,19 +10,15 @@ use super::{
     body::{MotionBody, Written},
     report::{follow_ground, report},
     slope::{limit_cos, walkable},
-    speed::approach_velocity,
-    tick::{GRADE_HALF_LIFE, ROUNDING, STEEPEST, Tick, Travelled},
+    tick::{ROUNDING, STEEPEST, Tick, Travelled},
 };
-use crate::{
-    character::intent::MoveIntent,
-    math::{rotation::twist_angle, spring::damp},
-};
+use crate::{character::intent::MoveIntent, math::rotation::twist_angle};
 
 /// For how many seconds the controller may go on without looking where it goes. 0, or no component: it looks in every tick.
 ///
 /// In between, the body goes on at its pace over the ground that it saw ahead: other bodies that come its way meanwhile are
 /// noticed late, and small bumps are cut. It looks at once when its intent changes, and in every tick where it isn't
-/// walking steadily over one body that doesn't move. Level of detail sets it.
+/// moving steadily over one body that doesn't move. Level of detail sets it.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component)]
 pub struct Glide(pub f32);
@@ -38,26 +34,23 @@ pub(super) struct Line {
     rise: f32,
 }
 
-/// Speed in m/s by which a pace may still differ from the one that is wanted.
-const STEADY: f32 = 0.5;
+/// Acceleration in m/s² up to which a body goes on as it did.
+const STEADY: f32 = 2.0;
 /// Ways shorter than this, in metres, are none.
 const STANDING: f32 = 1e-3;
 /// Turn in radians by which others may have turned the root unnoticed.
 const TURNED: f32 = 5e-3;
 
 impl Tick<'_> {
-    /// The line ahead for `seconds`, after a tick that looked; `None` where the body has to look again.
-    pub(super) fn line_ahead(&self, body: &MotionBody, seconds: f32) -> Option<Line> {
+    /// The line ahead for `seconds`, after a tick that looked and began with the velocity `before`; `None` where the body has to
+    /// look again.
+    pub(super) fn line_ahead(&self, body: &MotionBody, before: Vec3, seconds: f32) -> Option<Line> {
         let support = body.support.filter(|_| seconds > self.dt && body.checks == 0 && !self.intent.jump)?;
-        let wanted = self.wanted(body);
-        if !self.rests(support.collider)
-            || body.frame_velocity != Vec3::ZERO
-            || self.intent.crouch != body.crouched
-            || body.velocity.distance(wanted) > STEADY
-        {
+        let steady = body.velocity.distance(before) <= STEADY * self.dt && body.frame_velocity == Vec3::ZERO;
+        if !steady || self.intent.crouch != body.crouched || !self.rests(support.collider) {
             return None;
         }
-        let way = (body.velocity + wanted) * (0.5 * seconds);
+        let way = body.velocity * seconds;
         let run = way.length();
         let line = |rise: f32| Line { intent: self.intent.clone(), left: seconds, rise };
         if run < STANDING {
@@ -101,10 +94,7 @@ impl Tick<'_> {
         body.pushes.clear();
         body.jumped_place = false;
         self.turn(body, state);
-        body.grade = damp(body.grade, rise, GRADE_HALF_LIFE, self.dt);
-        let velocity = approach_velocity(body.velocity, self.wanted(body), self.rates(), self.dt);
-        let way = (body.velocity + velocity) * (0.5 * self.dt);
-        body.velocity = velocity;
+        let way = body.velocity * self.dt;
         let whole = way + Vec3::Y * (rise * way.length());
         body.position += whole;
         support.height += whole.y;

@@ -198,10 +198,11 @@ fn move_characters(
             let seconds = glide.map_or(0.0, |glide| glide.0);
             if seconds <= 0.0 || !tick.glides(&mut body, &mut state) {
                 tick.view.look_around();
+                let before = body.velocity;
                 tick.run(&mut body, &mut state);
                 // Neighbours look at different times.
                 let share = 0.75 + 0.25 * (me.index_u32() as f32 * 0.618_034).fract();
-                body.line = tick.line_ahead(&body, seconds * share);
+                body.line = tick.line_ahead(&body, before, seconds * share);
             }
             **memory = tick.view.around.into_memory();
         },

@@ -42,7 +42,7 @@ const LONGEST_RIDE: f32 = 3.0;
 const RECHECKS: u8 = 2;
 
 /// Half-life in seconds over which a grade slows a run.
-pub(super) const GRADE_HALF_LIFE: f32 = 0.15;
+const GRADE_HALF_LIFE: f32 = 0.15;
 
 /// Rise over run beyond which a stride doesn't land: steep stairs have 0.9.
 pub(super) const STEEPEST: f32 = 0.95;
@@ -265,22 +265,15 @@ impl Tick<'_> {
         Travelled { before, way: body.position - from }
     }
 
-    /// The velocity that is wanted at the grade that the body feels.
-    pub(super) fn wanted(&self, body: &MotionBody) -> Vec3 {
-        slowed_by_grade(self.intent.velocity, self.config.walk_speed, body.grade, self.config.climb_slowing)
-    }
-
-    pub(super) fn rates(&self) -> SpeedRates {
-        let MotionConfig { acceleration, braking, reversal, .. } = *self.config;
-        SpeedRates { accelerate: acceleration, brake: braking, reverse: reversal }
-    }
-
     fn walk(&self, body: &mut MotionBody, slider: &mut Slider) {
+        let config = self.config;
+        let rates = SpeedRates { accelerate: config.acceleration, brake: config.braking, reverse: config.reversal };
         let rise =
             body.support.map_or(0.0, |support| rise_along(support.normal, direction_or(body.velocity, Vec3::ZERO)));
         let steeper = if rise.abs() > body.ahead.abs() { rise } else { body.ahead };
         body.grade = damp(body.grade, steeper, GRADE_HALF_LIFE, self.dt);
-        let velocity = approach_velocity(body.velocity, self.wanted(body), self.rates(), self.dt);
+        let wanted = slowed_by_grade(self.intent.velocity, config.walk_speed, body.grade, config.climb_slowing);
+        let velocity = approach_velocity(body.velocity, wanted, rates, self.dt);
         let way = (body.velocity + velocity) * 0.5 * self.dt;
         slider.velocity = velocity + body.frame_velocity;
         let walked = walk(slider, body, self.shapes, self.shapes.posture(body.crouched), way);
