@@ -35,7 +35,7 @@ pub(super) struct Line {
 }
 
 /// Acceleration in m/s² up to which a body goes on as it did.
-const STEADY: f32 = 2.0;
+const STEADY: f32 = 5.0;
 /// Ways shorter than this, in metres, are none.
 const STANDING: f32 = 1e-3;
 /// Turn in radians by which others may have turned the root unnoticed.
