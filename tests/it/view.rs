@@ -84,6 +84,7 @@ fn what_cannot_be_read_is_told_in_one_line() {
         let said = text(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.starts_with("surefoot: ") && said.lines().count() == 1 && said.contains(words), "{said}");
+        assert!(said.contains(&*file.to_string_lossy()), "it does not name {}: {said}", file.display());
     }
 }
 

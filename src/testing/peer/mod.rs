@@ -56,7 +56,15 @@ pub enum PeerError {
         /// What the system says.
         reason: String,
     },
-    /// This crate's import refuses it.
+    /// This crate's import refuses the file.
+    #[error("`{path}`: {error}")]
+    Refused {
+        /// Which.
+        path: String,
+        /// Why.
+        error: Box<RigError>,
+    },
+    /// This crate's import refuses a part of it.
     #[error(transparent)]
     Rig(#[from] RigError),
     /// The engine's import refuses it.
@@ -67,9 +75,10 @@ pub enum PeerError {
 /// Reads a `.glb` or `.gltf` file with the buffers beside it.
 ///
 /// # Errors
-/// [`PeerError::Io`] and [`PeerError::Rig`].
+/// [`PeerError::Io`] and [`PeerError::Refused`].
 pub fn load_rig(file: &Path) -> Result<Rig, PeerError> {
-    Ok(Rig::from_slice(&bytes(file)?, beside(file))?)
+    let refused = |error| PeerError::Refused { path: file.display().to_string(), error: Box::new(error) };
+    Rig::from_slice(&bytes(file)?, beside(file)).map_err(refused)
 }
 
 /// Compares what this crate and the engine make of every clip of `file`, or of its rest pose if it has none.
