@@ -65,18 +65,20 @@ impl Ease {
         let in_time = self.stepped.is_some_and(|step| !due || self.since + EARLY >= step);
         let steady = was.is_some() && in_time && self.share.value <= OVER;
         if let (true, Some(step)) = (self.direct, was) {
-            self.left = self.share(self.lag(step));
+            self.left = self.share(step);
         }
-        self.direct = steady && (self.direct || due);
+        // Only steps of whole ticks end where a tick does.
+        let whole = self.stepped.is_some_and(|step| (self.since - step).abs() <= EARLY);
+        self.direct = steady && if due { whole } else { self.direct };
         match (was, self.stepped) {
             _ if pacing.mode == Mode::Hidden => return self.share = Spring::at(0.0),
             (Some(step), None) => {
-                self.begin(pose, |ease, joint, posed| (ease.between(joint, ease.lag(step) - dt, posed), *posed));
+                self.begin(pose, |ease, joint, posed| (ease.between(joint, ease.lag(step), posed), *posed));
             }
             (Some(step), Some(_)) if !in_time => {
                 // It didn't wait: what was still to be seen of the last two poses isn't.
                 self.begin(pose, |ease, joint, posed| {
-                    (ease.between(joint, ease.lag(step) - dt, posed), ease.between(joint, 0.0, posed))
+                    (ease.between(joint, ease.lag(step), posed), ease.between(joint, 0.0, posed))
                 });
             }
             _ => {}
@@ -96,11 +98,11 @@ impl Ease {
             return;
         }
         if let (None, Some(step)) = (was, self.stepped) {
-            self.begin(pose, |ease, joint, posed| (*posed, ease.between(joint, ease.lag(step) - dt, posed)));
+            self.begin(pose, |ease, joint, posed| (*posed, ease.between(joint, ease.lag(step), posed)));
         }
         if let Some(step) = self.stepped {
             for (joint, seen) in pose.iter_mut().enumerate() {
-                *seen = self.between(joint, self.lag(step) - dt, seen);
+                *seen = self.between(joint, self.lag(step), seen);
             }
         }
         if self.share.value > OVER {
@@ -128,7 +130,7 @@ impl Ease {
 
     /// Where between the last two poses a frame lies that is seen `after` seconds after the last tick, 0..=1.
     pub(super) fn seen(&self, after: f32) -> f32 {
-        self.share(self.lag(self.stepped.unwrap_or(0.0)) - after)
+        self.share(self.stepped.unwrap_or(0.0) - after)
     }
 
     /// The same for the last tick in which frames showed that.
@@ -136,9 +138,10 @@ impl Ease {
         self.left
     }
 
-    /// Seconds by which poses of such steps are seen late: as long as the last one took, in whole ticks, unless it was cut short.
+    /// Seconds by which a tick sees poses of such steps late. Frames show ticks one later: for steps of whole ticks that is taken
+    /// off, so that nothing changes where frames go on by themselves.
     fn lag(&self, step: f32) -> f32 {
-        self.span.max(step - self.tick)
+        if (self.span - step).abs() <= EARLY { step - self.tick } else { step }
     }
 
     /// Where between the keys lies what was `ago` seconds before now, 0..=1.
