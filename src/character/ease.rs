@@ -68,7 +68,7 @@ impl Ease {
             self.left = self.share(step);
         }
         // Only steps of whole ticks end where a tick does.
-        let whole = self.stepped.is_some_and(|step| (self.since - step).abs() <= EARLY);
+        let whole = self.stepped.is_some_and(|step| self.is_whole(step) && (self.since - step).abs() <= EARLY);
         self.direct = steady && if due { whole } else { self.direct };
         match (was, self.stepped) {
             _ if pacing.mode == Mode::Hidden => return self.share = Spring::at(0.0),
@@ -141,7 +141,12 @@ impl Ease {
     /// Seconds by which a tick sees poses of such steps late. Frames show ticks one later: for steps of whole ticks that is taken
     /// off, so that nothing changes where frames go on by themselves.
     fn lag(&self, step: f32) -> f32 {
-        if (self.span - step).abs() <= EARLY { step - self.tick } else { step }
+        if self.is_whole(step) { step - self.tick } else { step }
+    }
+
+    fn is_whole(&self, step: f32) -> bool {
+        let ticks = (step / self.tick).round();
+        (ticks * self.tick - step).abs() <= EARLY
     }
 
     /// Where between the keys lies what was `ago` seconds before now, 0..=1.
