@@ -72,7 +72,8 @@ fn measure(count: usize, detail: bool) -> (Duration, [Duration; PARTS]) {
     let blended = world.query::<&Locomotion>().iter(world).filter(|locomotion| heard(locomotion) >= 2).count();
     if detail {
         let details: Vec<Detail> = world.query::<&Detail>().iter(world).copied().collect();
-        let counts = [false, true].map(|near| details.iter().filter(|it| it.posed && (it.feet || !near)).count());
+        let counts =
+            [false, true].map(|near| details.iter().filter(|it| it.posed && (!it.clips_only || !near)).count());
         println!("level of detail, two threads: {} of {count} in view, {} of them near", counts[0], counts[1]);
     } else if blended < count {
         println!("{blended} of {count} characters blend two clips, the others have met an obstacle");

@@ -16,7 +16,8 @@ use surefoot::{
     character::{
         Character,
         animator::CharacterPose,
-        detail::Detail,
+        crowd::{Crowd, PaletteJob},
+        detail::{Detail, Pacing},
         intent::MoveIntent,
         levels::DetailLevels,
         schedule::{PoseClock, PoseSystems},
@@ -184,16 +185,26 @@ fn load(app: &mut App) -> (Handle<CharacterAsset>, Handle<Rig>) {
 fn palettes(
     skin: Option<Res<Skin>>,
     rigs: Res<Assets<Rig>>,
-    poses: Query<Ref<CharacterPose>>,
+    poses: Query<(Entity, &Character, Option<&Pacing>, Ref<CharacterPose>)>,
+    crowd: Crowd,
     mut palettes: ResMut<Palettes>,
+    mut jobs: Local<Vec<PaletteJob>>,
 ) {
     let Some(rig) = skin.and_then(|skin| rigs.get(&skin.0)) else { return };
     let Some(skin) = rig.skins.first() else { return };
-    palettes.0.resize(poses.iter().len() * skin.joints.len(), JointMatrix::IDENTITY);
+    let len = skin.joints.len();
+    palettes.0.resize(poses.iter().len() * len, JointMatrix::IDENTITY);
     // As skinning does: who wasn't posed keeps its matrices.
-    let room = palettes.0.chunks_mut(skin.joints.len());
-    for (pose, out) in poses.iter().zip(room).filter(|(pose, _)| pose.is_changed()) {
-        skin.write_palette(&pose.pose, out);
-    }
+    jobs.clear();
+    jobs.extend(poses.iter().enumerate().filter_map(|(index, (entity, character, pacing, pose))| {
+        let kind = Crowd::kind(character, pacing);
+        let job = PaletteJob { first: index * len, len, character: entity, part: 0, kind };
+        (kind.is_some() || pose.is_changed()).then_some(job)
+    }));
+    crowd.write(&mut jobs, &mut palettes.0, |job, out| {
+        if let Ok((_, _, _, pose)) = poses.get(job.character) {
+            skin.write_palette(&pose.pose, out);
+        }
+    });
     black_box(&palettes.0);
 }

@@ -71,6 +71,11 @@ impl Inertializer {
         self.memory = Some(memory);
     }
 
+    /// Carries nothing over any longer; gives the memory back.
+    pub fn forget(&mut self) -> Option<Offsets> {
+        core::mem::take(self).memory
+    }
+
     /// From now on `pose` is played instead of the last two poses, `dt` seconds apart: the difference becomes the offset, which
     /// is gone after `seconds`.
     ///

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use bevy::{math::Affine3A, prelude::*};
 
-use super::{Character, animator::CharacterPose, bind::CharacterAssets, schedule::PoseSystems};
+use super::{Character, animator::CharacterPose, bind::CharacterAssets, crowd::PoseRead, schedule::PoseSystems};
 use crate::{
     anim::{
         pose::Pose,
@@ -71,10 +71,14 @@ impl Plugin for AttachPlugin {
 fn carry(
     assets: CharacterAssets,
     mut riders: Query<(Entity, Ref<Attach>, &ChildOf, &mut Socket, &mut Transform)>,
-    characters: Query<(&Character, &CharacterPose)>,
+    characters: Query<(&Character, &CharacterPose, Has<PoseRead>)>,
+    mut commands: Commands,
 ) {
     for (entity, attach, parent, mut socket, mut transform) in &mut riders {
-        let Ok((character, pose)) = characters.get(parent.parent()) else { continue };
+        let Ok((character, pose, read)) = characters.get(parent.parent()) else { continue };
+        if !read {
+            commands.entity(parent.parent()).try_insert(PoseRead);
+        }
         let Some(asset) = assets.get(character) else { continue };
         let known = socket.skeleton.as_ref().is_some_and(|skeleton| Arc::ptr_eq(skeleton, &asset.skeleton));
         if !known || attach.is_changed() {

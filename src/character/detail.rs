@@ -8,11 +8,19 @@
 use bevy::prelude::*;
 
 use super::{
+    Character,
+    aim::Aiming,
+    animator::Actions,
+    bind::CharacterAssets,
+    chains::Chains,
+    crowd::PoseRead,
+    ease::Ease,
+    intent::MoveIntent,
     locomotion::Locomotion,
     motion::Glide,
     schedule::{PoseClock, PoseSystems},
 };
-use crate::rig::tuning::locomotion::TransitionBlend;
+use crate::rig::{character::CharacterAsset, tuning::locomotion::TransitionBlend};
 
 /// How thoroughly a character is posed. May change at any time: the pose goes on without a jump.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
@@ -31,6 +39,15 @@ pub struct Detail {
     pub feet: bool,
     /// Whether the head turns to where it goes. Default true.
     pub look: bool,
+    /// Whether clips alone pose it. Default false.
+    ///
+    /// True: with all others of its kind, in blocks and in every frame, straight to skinning matrices. Ten times as cheap as being
+    /// posed by itself; feet, look and lean are off whatever the others say, and so is `step`. [`CharacterPose`] stands still. Who
+    /// plays an action, aims, has IK chains or a [`PoseRead`](super::crowd::PoseRead) is posed by itself nevertheless, and so is a
+    /// model whose clips keep keys or whose meshes have no skin.
+    ///
+    /// [`CharacterPose`]: super::animator::CharacterPose
+    pub clips_only: bool,
     /// Whether it is posed at all. Default true.
     ///
     /// False for who isn't seen, its shadow included: its pose stands still, and jumps when it is posed again.
@@ -41,7 +58,7 @@ pub struct Detail {
 
 impl Default for Detail {
     fn default() -> Self {
-        Self { step: 0.0, feet: true, look: true, posed: true, glide: 0.0 }
+        Self { step: 0.0, feet: true, look: true, clips_only: false, posed: true, glide: 0.0 }
     }
 }
 
@@ -54,7 +71,31 @@ pub struct Pacing {
     pub due: Option<f32>,
     /// It wasn't posed for a while: what was carried over from then doesn't hold.
     pub returns: bool,
+    /// Clips alone posed it until now: what was carried over from before doesn't hold.
+    pub joins: bool,
     waited: f32,
+}
+
+/// What decides on the next pose beside [`Detail`].
+#[derive(Clone, Copy, Debug, Default)]
+struct Wish {
+    /// Clips alone may pose it, and shall.
+    clips_only: bool,
+    /// Nothing is left of what they didn't do.
+    settled: bool,
+    /// Something happened that may not wait.
+    at_once: bool,
+}
+
+/// How far somebody has come whom clips alone pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ClipsOnly {
+    /// The last pose with everything; clips take over.
+    Leaves,
+    /// Clips, and what is left of everything else.
+    Settles,
+    /// Clips, in frames and in blocks: there is no pose of its own.
+    Alone,
 }
 
 /// How a character is posed.
@@ -67,6 +108,8 @@ pub enum Mode {
     Warming(f32),
     /// Every so many seconds.
     Stepped(f32),
+    /// By clips alone.
+    ClipsOnly(ClipsOnly),
     /// Never.
     Hidden,
 }
@@ -81,28 +124,52 @@ impl Pacing {
         pacing.map_or(Some(dt), |pacing| pacing.due)
     }
 
-    /// One frame. `at_once`: something happened that may not wait. Of those that change together each begins its steps
+    /// The same for what changes the clips' pose.
+    #[must_use]
+    pub fn whole(pacing: Option<&Self>, dt: f32) -> Option<f32> {
+        Self::due(pacing, dt).filter(|_| pacing.is_none_or(|pacing| pacing.mode != Mode::ClipsOnly(ClipsOnly::Settles)))
+    }
+
+    /// Whether what it was before tells nothing of how it is now.
+    #[must_use]
+    pub fn begins(pacing: Option<&Self>) -> bool {
+        pacing.is_some_and(|pacing| pacing.returns || pacing.joins)
+    }
+
+    /// One frame. Of those that change together each begins its steps
     /// `stagger` of one later, 0..1, so that they aren't posed in the same frame.
-    fn advance(&mut self, detail: &Detail, at_once: bool, stagger: f32, dt: f32) {
+    fn advance(&mut self, detail: &Detail, wish: Wish, stagger: f32, dt: f32) {
         let step = if detail.step.is_finite() { detail.step.max(0.0) } else { 0.0 };
         let (hidden, stepped) = (self.mode == Mode::Hidden, matches!(self.mode, Mode::Stepped(_)));
+        let by_clips = matches!(self.mode, Mode::ClipsOnly(_));
         self.waited += dt;
         self.mode = match self.mode {
             _ if !detail.posed => Mode::Hidden,
+            before if wish.clips_only => Mode::ClipsOnly(match before {
+                Mode::Hidden | Mode::ClipsOnly(ClipsOnly::Alone) => ClipsOnly::Alone,
+                Mode::ClipsOnly(ClipsOnly::Settles) if wish.settled => ClipsOnly::Alone,
+                Mode::ClipsOnly(_) => ClipsOnly::Settles,
+                _ => ClipsOnly::Leaves,
+            }),
             _ if step <= EARLY => Mode::Every,
             Mode::Warming(since) if since + dt + EARLY >= step => Mode::Stepped(step),
             Mode::Warming(since) => Mode::Warming(since + dt),
             Mode::Stepped(before) if (before - step).abs() <= EARLY => Mode::Stepped(before),
-            Mode::Every | Mode::Stepped(_) | Mode::Hidden => Mode::Warming(-stagger * step),
+            _ => Mode::Warming(-stagger * step),
         };
         let due = match self.mode {
             Mode::Every | Mode::Warming(_) => true,
+            Mode::ClipsOnly(stage) => stage != ClipsOnly::Alone,
             // The first step begins with a pose of its own.
-            Mode::Stepped(step) => at_once || !stepped || self.waited + EARLY >= step,
+            Mode::Stepped(step) => wish.at_once || !stepped || self.waited + EARLY >= step,
             Mode::Hidden => false,
         };
         self.due = due.then(|| core::mem::take(&mut self.waited));
-        self.returns = hidden && due;
+        if self.mode == Mode::ClipsOnly(ClipsOnly::Alone) {
+            self.waited = 0.0;
+        }
+        self.returns = hidden && self.mode != Mode::Hidden;
+        self.joins = by_clips && !matches!(self.mode, Mode::ClipsOnly(_) | Mode::Hidden);
     }
 }
 
@@ -111,20 +178,41 @@ pub struct DetailPlugin;
 
 impl Plugin for DetailPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<Detail>().add_systems(FixedPostUpdate, pace.in_set(PoseSystems::Pace));
+        app.register_type::<Detail>()
+            .register_type::<PoseRead>()
+            .add_systems(FixedPostUpdate, pace.in_set(PoseSystems::Pace));
     }
 }
 
-fn pace(clock: Res<PoseClock>, mut characters: Query<(Entity, &Detail, &mut Pacing, &mut Glide, Option<&Locomotion>)>) {
-    for (entity, detail, mut pacing, mut glide, locomotion) in &mut characters {
+/// Whose details change their poses, and what may keep clips from posing them alone.
+type Paced = (
+    Entity,
+    &'static Character,
+    &'static Detail,
+    &'static mut Pacing,
+    &'static mut Glide,
+    &'static Ease,
+    Option<&'static Locomotion>,
+    (Option<&'static Actions>, Option<&'static Aiming>, &'static MoveIntent, Has<Chains>, Has<PoseRead>),
+);
+
+fn pace(clock: Res<PoseClock>, assets: CharacterAssets, mut characters: Query<Paced>) {
+    characters.par_iter_mut().for_each(|(entity, character, detail, mut pacing, mut glide, ease, locomotion, also)| {
         glide.set_if_neq(Glide(detail.glide));
         // An inertialized change of state begins with the pose that it leaves; others fade by themselves.
         let taken = locomotion.and_then(|locomotion| locomotion.taken);
         let at_once = taken.is_some_and(|taken| taken.blend != TransitionBlend::CrossFade);
+        let (actions, aiming, intent, chains, read) = also;
+        let acts = actions.is_some_and(|actions| !actions.is_idle());
+        let aims = intent.aims().is_some() || aiming.is_some_and(|aiming| aiming.weight() > 0.0);
+        let clips_only = detail.clips_only
+            && !(acts || aims || chains || read)
+            && assets.get(character).is_some_and(CharacterAsset::has_species);
         // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.
         let stagger = (entity.index_u32() as f32 * 0.618_034).fract();
-        pacing.advance(detail, at_once, stagger, clock.delta_secs());
-    }
+        let wish = Wish { clips_only, settled: ease.is_over(), at_once };
+        pacing.advance(detail, wish, stagger, clock.delta_secs());
+    });
 }
 
 #[cfg(test)]
@@ -137,7 +225,7 @@ mod tests {
     fn posed(detail: &Detail) -> (usize, f32) {
         let mut pacing = Pacing::default();
         let mut dues = (0..120).map(|_| {
-            pacing.advance(detail, false, 0.0, DT);
+            pacing.advance(detail, Wish::default(), 0.0, DT);
             pacing.due
         });
         let dues: Vec<f32> = dues.by_ref().skip(60).flatten().collect();
@@ -158,8 +246,8 @@ mod tests {
     fn who_was_hidden_returns_with_all_the_time_that_passed() {
         let mut pacing = Pacing::default();
         let hidden = Detail { posed: false, ..Detail::default() };
-        (0..30).for_each(|_| pacing.advance(&hidden, true, 0.0, DT));
-        pacing.advance(&Detail::default(), false, 0.0, DT);
+        (0..30).for_each(|_| pacing.advance(&hidden, Wish { at_once: true, ..default() }, 0.0, DT));
+        pacing.advance(&Detail::default(), Wish::default(), 0.0, DT);
         let due = pacing.due.expect("it is seen again");
         assert!(pacing.returns && (due - 31.0 * DT).abs() < 1e-4, "posed for {due} s");
     }
@@ -168,9 +256,9 @@ mod tests {
     fn a_change_of_state_does_not_wait() {
         let mut pacing = Pacing::default();
         let detail = Detail { step: 0.5, ..Detail::default() };
-        (0..45).for_each(|_| pacing.advance(&detail, false, 0.0, DT));
+        (0..45).for_each(|_| pacing.advance(&detail, Wish::default(), 0.0, DT));
         assert_eq!(pacing.due, None);
-        pacing.advance(&detail, true, 0.0, DT);
+        pacing.advance(&detail, Wish { at_once: true, ..default() }, 0.0, DT);
         assert!(pacing.due.is_some(), "it changed state");
     }
 
@@ -181,7 +269,7 @@ mod tests {
         let mut most = 0;
         for frame in 0..120 {
             for (index, pacing) in crowd.iter_mut().enumerate() {
-                pacing.advance(&detail, false, index as f32 / 60.0, DT);
+                pacing.advance(&detail, Wish::default(), index as f32 / 60.0, DT);
             }
             if frame > 30 {
                 most = most.max(crowd.iter().filter(|pacing| pacing.due.is_some()).count());

@@ -3,13 +3,13 @@
 //! Reads [`Pacing`] and the pose of all stages before; writes [`CharacterPose`], local and model space. With steps of `s` seconds the
 //! pose is seen `s` late, between its last two; where that begins or ends, the difference decays.
 
-use bevy::prelude::*;
+use bevy::{prelude::*, utils::Parallel};
 
 use super::{
     Character,
-    animator::CharacterPose,
+    animator::{CharacterPose, ClipsScratch},
     bind::CharacterAssets,
-    detail::{Detail, Mode, Pacing},
+    detail::{ClipsOnly, Detail, Mode, Pacing},
     schedule::{PoseClock, PoseSystems},
 };
 use crate::{
@@ -55,8 +55,9 @@ struct Offset {
 }
 
 impl Ease {
-    /// One frame: `pose` as the stages left it becomes what is seen.
-    fn advance(&mut self, pacing: &Pacing, pose: &mut [JointTransform], dt: f32) {
+    /// One frame: `pose` as the stages left it becomes what is seen. `clips` is that of the clips alone, where they take over or
+    /// give it back.
+    fn advance(&mut self, pacing: &Pacing, pose: &mut [JointTransform], clips: Option<&[JointTransform]>, dt: f32) {
         self.share.step(0.0, HALF_LIFE, dt);
         self.since += dt;
         self.tick = dt;
@@ -72,6 +73,18 @@ impl Ease {
         self.direct = steady && if due { whole } else { self.direct };
         match (was, self.stepped) {
             _ if pacing.mode == Mode::Hidden => return self.share = Spring::at(0.0),
+            (step, _) if clips.is_some() => {
+                let clips = clips.unwrap_or_default();
+                if pacing.joins {
+                    self.begin(pose, |_, joint, posed| (clips[joint], *posed));
+                } else {
+                    let seen = |ease: &Self, joint: usize, posed: &JointTransform| {
+                        step.map_or(*posed, |step| ease.between(joint, ease.lag(step), posed))
+                    };
+                    self.begin(pose, |ease, joint, posed| (seen(ease, joint, posed), clips[joint]));
+                    pose.copy_from_slice(clips);
+                }
+            }
             (Some(step), None) => {
                 self.begin(pose, |ease, joint, posed| (ease.between(joint, ease.lag(step), posed), *posed));
             }
@@ -120,7 +133,13 @@ impl Ease {
 
     /// Whether it changes poses at all.
     fn is_idle(&self, pacing: &Pacing) -> bool {
-        pacing.mode == Mode::Every && self.stepped.is_none() && self.share.value <= OVER
+        let plain = matches!(pacing.mode, Mode::Every | Mode::ClipsOnly(ClipsOnly::Settles | ClipsOnly::Alone));
+        plain && !pacing.joins && self.stepped.is_none() && self.is_over()
+    }
+
+    /// Whether nothing is left of any difference.
+    pub(super) fn is_over(&self) -> bool {
+        self.share.value <= OVER
     }
 
     /// Whether frames show what lies between the last two poses, of which the older one is given.
@@ -206,6 +225,7 @@ impl Plugin for EasePlugin {
 pub(super) fn ease(
     clock: Res<PoseClock>,
     assets: CharacterAssets,
+    scratch: Local<Parallel<ClipsScratch>>,
     mut characters: Query<(&Character, &Pacing, &mut Ease, &mut CharacterPose)>,
 ) {
     let dt = clock.delta_secs();
@@ -213,11 +233,14 @@ pub(super) fn ease(
         let Some(asset) = assets.get(character).filter(|_| !ease.is_idle(pacing)) else { return };
         let hidden = pacing.mode == Mode::Hidden;
         if hidden {
-            ease.advance(pacing, &mut [], dt);
+            ease.advance(pacing, &mut [], None, dt);
         } else {
             // What isn't due isn't touched, so that nobody takes it for changed.
             let direct = ease.direct && pacing.due.is_none();
-            ease.advance(pacing, if direct { &mut [] } else { pose.pose.locals_mut() }, dt);
+            let mut scratch = scratch.borrow_local_mut();
+            let passes = pacing.joins || pacing.mode == Mode::ClipsOnly(ClipsOnly::Leaves);
+            let clips = if passes { pose.clips_pose(asset, false, &mut scratch) } else { None };
+            ease.advance(pacing, if direct { &mut [] } else { pose.pose.locals_mut() }, clips, dt);
             if !ease.direct {
                 pose.pose.update_model(&asset.skeleton);
             }

@@ -112,7 +112,7 @@ fn look(
     characters.par_iter_mut().for_each(|character| {
         let (character, root, intent, motion, locomotion, balance, target, (detail, pacing), mut look, mut pose) =
             character;
-        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };
+        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::whole(pacing, dt)) else { return };
         let config = &asset.file.look;
         if !config.enabled {
             return;

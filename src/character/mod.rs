@@ -5,6 +5,7 @@ pub mod animator;
 pub mod attach;
 pub mod bind;
 pub mod chains;
+pub mod crowd;
 pub mod detail;
 pub mod ease;
 pub mod foot_ik;

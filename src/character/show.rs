@@ -3,13 +3,13 @@
 //! Reads [`CharacterPose`] at the end of each tick and writes its model pose in each frame. Joints go from place to place on
 //! straight lines in model space, not by their turns: a foot that stands still in both ticks stands still between them.
 
-use bevy::{math::Affine3A, prelude::*};
+use bevy::{math::Affine3A, prelude::*, utils::Parallel};
 
 use super::{
     Character,
-    animator::CharacterPose,
+    animator::{CharacterPose, ClipsScratch},
     bind::CharacterAssets,
-    detail::{Mode, Pacing},
+    detail::{ClipsOnly, Mode, Pacing},
     ease::Ease,
     motion::MotionState,
     schedule::{PoseClock, PoseSystems},
@@ -29,6 +29,8 @@ pub struct Ticked {
     teleports: u32,
     /// The two are poses of steps that take more than a tick: level of detail.
     direct: bool,
+    /// Clips alone posed it since they were recorded.
+    stale: bool,
 }
 
 /// Has local transforms shown between ticks, too; without it [`CharacterPose`] keeps those of the last tick.
@@ -61,8 +63,8 @@ impl Ticked {
         }
     }
 
-    /// From now on steps are recorded: the last one was `before`, local transforms.
-    fn begin_steps(&mut self, pose: &mut Pose, skeleton: &Skeleton, before: &[JointTransform], locals: bool) {
+    /// What is recorded next comes after `before`, local transforms.
+    fn begin_after(&mut self, pose: &mut Pose, skeleton: &Skeleton, before: &[JointTransform], locals: bool) {
         if before.len() != pose.len() {
             return;
         }
@@ -125,6 +127,7 @@ impl Plugin for ShowPlugin {
 
 fn record(
     assets: CharacterAssets,
+    scratch: Local<Parallel<ClipsScratch>>,
     mut characters: Query<(
         &Character,
         &mut CharacterPose,
@@ -137,20 +140,31 @@ fn record(
     characters.par_iter_mut().for_each(|(character, mut pose, motion, detail, locals, mut ticked)| {
         let mut returns = false;
         if let Some((pacing, ease)) = detail {
+            if pacing.mode == Mode::ClipsOnly(ClipsOnly::Alone) {
+                (ticked.stale, ticked.direct) = (true, false);
+                return;
+            }
+            let asset = assets.get(character);
+            if let (true, true, Some(asset)) = (ticked.stale, pacing.joins, asset)
+                && let Some(before) = pose.clips_pose(asset, true, &mut scratch.borrow_local_mut())
+            {
+                ticked.begin_after(&mut pose.pose, &asset.skeleton, before, locals);
+            }
             let steps = ease.direct();
             if pacing.mode == Mode::Hidden || (ticked.direct && steps.is_some() && pacing.due.is_none()) {
                 return;
             }
             returns = pacing.returns;
-            match (ticked.direct, steps, assets.get(character)) {
+            match (ticked.direct, steps, asset) {
                 (false, Some(before), Some(asset)) => {
-                    ticked.begin_steps(&mut pose.pose, &asset.skeleton, before, locals);
+                    ticked.begin_after(&mut pose.pose, &asset.skeleton, before, locals);
                 }
                 (true, None, _) => ticked.end_steps(ease.left()),
                 _ => {}
             }
             ticked.direct = steps.is_some();
         }
+        ticked.stale = false;
         let jumped = core::mem::replace(&mut ticked.teleports, motion.teleports) != motion.teleports;
         ticked.record(&mut pose.pose, locals, jumped || returns);
     });
@@ -164,7 +178,7 @@ fn show(
     let overstep = fixed.overstep_fraction();
     let (share, after) = (clock.share(overstep), clock.shown_secs(overstep));
     characters.par_iter_mut().for_each(|(ticked, detail, mut pose)| match detail {
-        Some((pacing, _)) if pacing.mode == Mode::Hidden => {}
+        Some((pacing, _)) if matches!(pacing.mode, Mode::Hidden | Mode::ClipsOnly(ClipsOnly::Alone)) => {}
         Some((_, ease)) if ticked.direct => ticked.show(&mut pose.pose, ease.seen(after)),
         _ => ticked.show(&mut pose.pose, share),
     });

@@ -17,7 +17,7 @@ use super::{
     own_clips::{self, OwnClip},
     retarget::{Source, Target},
     standard_clips,
-    trunk::{chains, trunk},
+    trunk::trunk,
     tuning::{
         foot_ik::TUNED_LEG,
         locomotion::{Pace, StateConfig},
@@ -26,7 +26,7 @@ use super::{
     },
 };
 use crate::anim::{
-    block::ClipSet,
+    block::{ClipSet, Species},
     clip::Clip,
     gait::Gait,
     leg::Leg,
@@ -70,6 +70,8 @@ pub struct CharacterAsset {
     /// The same clips as rows, to be blended in one pass; it watches the joints that feet hang on.
     pub rows: Arc<ClipSet>,
     actions: Vec<CharacterAction>,
+    /// By skin: all that blocks need; empty where meshes ride on joints by themselves.
+    pub(super) species: Vec<Option<Arc<Species>>>,
 }
 
 /// A clip as this character plays it.
@@ -191,6 +193,7 @@ impl CharacterAsset {
             clips: Vec::new(),
             rows: Arc::default(),
             actions: Vec::new(),
+            species: Vec::new(),
             humanoid,
             file,
         };
@@ -200,8 +203,7 @@ impl CharacterAsset {
         asset.add_standard_clips();
         asset.complete_states()?;
         asset.actions = actions::resolve(&asset)?;
-        let above_feet = chains(&asset.skeleton, asset.legs.iter().map(|leg| leg.foot));
-        asset.rows = Arc::new(ClipSet::new(&asset.skeleton, asset.clips.iter().map(|clip| &*clip.clip), above_feet));
+        asset.make_rows();
         Ok(asset)
     }
 

@@ -18,6 +18,7 @@ pub mod loader;
 mod names;
 pub mod own_clips;
 mod retarget;
+mod species;
 mod standard_clips;
 mod straight;
 mod trunk;

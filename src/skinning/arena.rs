@@ -153,6 +153,16 @@ impl SkinArena {
         &mut self.matrices[..self.ranges.end() as usize]
     }
 
+    /// The matrices of `range` are about to be written.
+    pub(super) fn note_written(&mut self, range: SkinRange) {
+        note(&mut self.pending.written, range.first..range.first + range.len);
+    }
+
+    /// Every matrix in use, to be written by who [noted](Self::note_written) which.
+    pub(super) fn bare_matrices_mut(&mut self) -> &mut [JointMatrix] {
+        &mut self.matrices[..self.ranges.end() as usize]
+    }
+
     /// The matrices of `range`.
     #[must_use]
     pub fn matrices(&self, range: SkinRange) -> &[JointMatrix] {

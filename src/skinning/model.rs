@@ -15,7 +15,13 @@ use super::{
 };
 use crate::{
     anim::{pose::Pose, skeleton::JointIndex},
-    character::{animator::CharacterPose, schedule::PoseSystems},
+    character::{
+        Character,
+        animator::CharacterPose,
+        crowd::{Crowd, PaletteJob},
+        detail::Pacing,
+        schedule::PoseSystems,
+    },
     rig::{Rig, character::CharacterAsset},
 };
 
@@ -144,35 +150,71 @@ fn build(
     }
 }
 
-/// Pose → palettes, for characters whose pose or model changed.
+/// Characters whose model moves.
+type Moving = (
+    Entity,
+    &'static SkinnedModel,
+    Option<Ref<'static, CharacterPose>>,
+    Option<Ref<'static, SkinPose>>,
+    Ref<'static, ModelParts>,
+    (Option<&'static Character>, Option<&'static Pacing>),
+);
+
+/// Poses → palettes: of characters whose pose or model changed, and of all whom clips alone pose.
 pub(super) fn update_palettes(
-    characters: Query<
-        (&SkinnedModel, Option<&CharacterPose>, Option<&SkinPose>, &ModelParts),
-        Or<(Changed<CharacterPose>, Changed<SkinPose>, Changed<ModelParts>)>,
-    >,
-    parts: Query<(&ModelPart, &Palette)>,
+    characters: Query<Moving>,
+    parts: Query<(Entity, &ModelPart, &Palette)>,
     rigs: Res<Assets<Rig>>,
+    crowd: Crowd,
     mut arena: ResMut<SkinArena>,
+    mut jobs: Local<Vec<PaletteJob>>,
+    mut part_of: Local<Vec<Entity>>,
 ) {
-    for (model, animated, own, model_parts) in &characters {
-        let Some(rig) = rigs.get(&model.rig) else { continue };
+    jobs.clear();
+    part_of.clear();
+    for (entity, _, animated, own, model_parts, (character, pacing)) in &characters {
+        let kind = character.filter(|_| own.is_none()).and_then(|character| Crowd::kind(character, pacing));
+        let changed = animated.is_some_and(|pose| pose.is_changed())
+            || own.is_some_and(|pose| pose.is_changed())
+            || model_parts.is_changed();
+        if !changed && kind.is_none() {
+            continue;
+        }
+        for (part_entity, part, palette) in parts.iter_many(model_parts.iter()) {
+            let range = palette.range();
+            let (part, kind) = match (*part, kind) {
+                (ModelPart::Skin(skin), Some(kind)) => (skin, Some(kind)),
+                _ => (part_of.len(), None),
+            };
+            if kind.is_none() {
+                part_of.push(part_entity);
+            }
+            arena.note_written(range);
+            jobs.push(PaletteJob { first: range.first(), len: range.len(), character: entity, part, kind });
+        }
+    }
+    crowd.write(&mut jobs, arena.bare_matrices_mut(), |job, matrices| {
+        let (Ok((_, model, animated, own, ..)), Some((_, part, _))) =
+            (characters.get(job.character), part_of.get(job.part).and_then(|part| parts.get(*part).ok()))
+        else {
+            return;
+        };
+        let Some(rig) = rigs.get(&model.rig) else { return };
         let joint_count = rig.skeleton.len();
         let rest;
-        let pose = match own.map(|own| &own.0).or(animated.map(|animated| &animated.pose)) {
+        let pose = match own.as_ref().map(|own| &own.0).or(animated.as_ref().map(|animated| &animated.pose)) {
             Some(pose) if pose.len() == joint_count => pose,
             Some(pose) if !pose.is_empty() => {
                 warn_once!("a pose of {} joints cannot move a rig of {joint_count}", pose.len());
-                continue;
+                return;
             }
             _ => {
                 rest = Pose::rest(&rig.skeleton);
                 &rest
             }
         };
-        for (part, palette) in parts.iter_many(model_parts.iter()) {
-            write_palette(*part, rig, pose, arena.matrices_mut(palette.range()));
-        }
-    }
+        write_palette(*part, rig, pose, matrices);
+    });
 }
 
 fn write_palette(part: ModelPart, rig: &Rig, pose: &Pose, matrices: &mut [JointMatrix]) {

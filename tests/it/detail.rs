@@ -2,7 +2,19 @@
 
 use bevy::prelude::*;
 use surefoot::{
-    character::{animator::CharacterPose, detail::Detail, foot_ik::FootIk, locomotion::Locomotion, look::Look},
+    anim::skin::JointMatrix,
+    character::{
+        Character,
+        animator::{Actions, CharacterPose},
+        bind::CharacterAssets,
+        crowd::{Crowd, PaletteJob},
+        detail::{ClipsOnly, Detail, Mode, Pacing},
+        foot_ik::FootIk,
+        intent::MoveIntent,
+        locomotion::Locomotion,
+        look::Look,
+        schedule::{PoseClock, PoseSystems},
+    },
     measure::summary::Measures,
     testing::{Stage, World},
 };
@@ -11,6 +23,7 @@ const WALK: Vec3 = Vec3::new(0.0, 0.0, -1.4);
 
 fn walker_on(world: &World) -> (Stage, Entity) {
     let mut stage = Stage::on(world);
+    stage.app().add_systems(PostUpdate, see_clips.in_set(PoseSystems::Reach));
     let walker = stage.spawn_walker().expect("the mannequin loads");
     stage.walk(walker, WALK).run_for(1.0);
     (stage, walker)
@@ -20,14 +33,123 @@ fn set(stage: &mut Stage, walker: Entity, detail: Detail) {
     stage.app().world_mut().entity_mut(walker).insert(detail);
 }
 
+/// Lets a recorder see who has no pose of its own.
+fn see_clips(
+    fixed: Res<Time<Fixed>>,
+    clock: Res<PoseClock>,
+    assets: CharacterAssets,
+    mut crowd: Query<(&Character, &Pacing, &mut CharacterPose)>,
+) {
+    let share = clock.share(fixed.overstep_fraction());
+    for (character, _, mut pose) in crowd.iter_mut().filter(|(_, pacing, _)| pacing.mode == ALONE) {
+        let asset = assets.get(character).expect("it is loaded");
+        assert!(pose.show_clips(asset, share), "something plays");
+    }
+}
+
+const ALONE: Mode = Mode::ClipsOnly(ClipsOnly::Alone);
+
+fn crowded() -> Detail {
+    Detail { clips_only: true, ..default() }
+}
+
+fn mode(stage: &Stage, walker: Entity) -> Mode {
+    stage.get::<Pacing>(walker).expect("it has a detail").mode
+}
+
+#[test]
+fn nothing_pops_when_clips_take_over_and_give_back() {
+    let every = Detail::default();
+    let near = Detail { step: 1.0 / 32.0, ..every };
+    for world in [World::flat(), World::hills()] {
+        let calm = turns(&world, &[every]).pop_jump;
+        for (name, details) in [("every tick", [every, crowded()]), ("steps", [near, crowded()])] {
+            let changing = turns_of(&world, &details, 1.1).pop_jump;
+            println!("{}: jumps {changing:.2} between {name} and clips alone, {calm:.2} in every frame", world.name);
+            assert!(changing <= 2.0_f32.max(1.1 * calm), "{}: {name}: jumps by {changing:.2}", world.name);
+        }
+    }
+}
+
+#[test]
+fn clips_alone_go_through_every_change_of_state_without_a_pop() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    set(&mut stage, walker, crowded());
+    stage.run_for(1.5);
+    assert_eq!(mode(&stage, walker), ALONE);
+    stage.start_recording(walker);
+    for speed in [0.0, 1.0, 2.5, 1.0, -1.0, 0.0] {
+        stage.walk(walker, WALK * speed).run_for(0.9);
+        assert_eq!(mode(&stage, walker), ALONE);
+    }
+    let jump = stage.measures(walker).pop_jump;
+    assert!(jump <= 2.0, "it jumps by {jump:.2} of its clips");
+}
+
+/// The palette of the only character, as blocks write it.
+fn block_palette(
+    crowd: Crowd,
+    assets: CharacterAssets,
+    characters: Query<(Entity, &Character, &Pacing)>,
+) -> Vec<JointMatrix> {
+    let (entity, character, pacing) = characters.single().expect("there is one");
+    let kind = Crowd::kind(character, Some(pacing));
+    assert!(kind.is_some(), "clips alone pose it");
+    let len = assets.get(character).expect("it is loaded").rig.skins[0].joints.len();
+    let mut out = vec![JointMatrix::IDENTITY; len + 5];
+    let job = PaletteJob { first: 5, len, character: entity, part: 0, kind };
+    crowd.write(&mut [job], &mut out, |_, _| panic!("it has no pose"));
+    out.split_off(5)
+}
+
+#[test]
+fn blocks_show_what_the_reference_does() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    set(&mut stage, walker, crowded());
+    stage.run_for(1.5);
+    let asset = stage.asset(walker).expect("it is loaded").clone();
+    let skin = asset.rig.skins[0].clone();
+    for _ in 0..40 {
+        stage.run_for(1.0 / 60.0);
+        let got = stage.app().world_mut().run_system_cached(block_palette).expect("it runs");
+        let mut wanted = vec![JointMatrix::IDENTITY; got.len()];
+        skin.write_palette(&stage.get::<CharacterPose>(walker).expect("shown").pose, &mut wanted);
+        for (slot, (got, wanted)) in got.iter().zip(&wanted).enumerate() {
+            let off = got.0.as_flattened().iter().zip(wanted.0.as_flattened()).map(|(a, b)| (a - b).abs());
+            let off = off.fold(0.0, f32::max);
+            assert!(off < 1e-4, "slot {slot} is {off} off");
+        }
+    }
+}
+
+#[test]
+fn who_acts_is_posed_by_itself_however_far_away() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    set(&mut stage, walker, crowded());
+    stage.run_for(1.5);
+    stage.app().world_mut().get_mut::<Actions>(walker).expect("everyone has actions").play("wave");
+    stage.run_for(0.3);
+    assert_eq!(mode(&stage, walker), Mode::Every, "it waves");
+    let aim = stage.app().world_mut().get_mut::<MoveIntent>(walker).map(|mut intent| intent.aim = Some(Vec3::X));
+    stage.run_for(6.0);
+    assert_eq!((aim, mode(&stage, walker)), (Some(()), Mode::Every), "it aims");
+    stage.app().world_mut().get_mut::<MoveIntent>(walker).expect("it is steered").aim = None;
+    stage.run_for(2.5);
+    assert_eq!(mode(&stage, walker), ALONE);
+}
+
 /// What is recorded while these details take turns, each for 0.7 s.
 fn turns(world: &World, details: &[Detail]) -> Measures {
+    turns_of(world, details, 0.7)
+}
+
+fn turns_of(world: &World, details: &[Detail], seconds: f32) -> Measures {
     let (mut stage, walker) = walker_on(world);
     set(&mut stage, walker, details[0]);
-    stage.run_for(0.7).start_recording(walker);
+    stage.run_for(seconds).start_recording(walker);
     for detail in details.iter().cycle().take(6) {
         set(&mut stage, walker, *detail);
-        stage.run_for(0.7);
+        stage.run_for(seconds);
     }
     stage.measures(walker)
 }

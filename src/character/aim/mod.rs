@@ -153,7 +153,7 @@ fn aim(
 ) {
     let dt = clock.delta_secs();
     characters.par_iter_mut().for_each(|(character, root, intent, pacing, mut aiming, mut pose)| {
-        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };
+        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::whole(pacing, dt)) else { return };
         let config = &asset.file.aim;
         let wanted = intent.aims().filter(|_| config.enabled);
         if wanted.is_none() && aiming.weight() <= 0.0 {

@@ -114,7 +114,9 @@ impl Actions {
         self.playing.iter().filter_map(layer)
     }
 
-    fn is_idle(&self) -> bool {
+    /// Whether nothing plays or is asked for.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
         self.asked.is_empty() && self.playing.is_empty()
     }
 
@@ -231,7 +233,7 @@ pub(super) fn act(
         || sampled.borrow_local_mut(),
         |sampled, (character, pacing, mut actions, mut pose)| {
             let Some(asset) = assets.get(character).filter(|_| !actions.is_idle()) else { return };
-            let Some(dt) = Pacing::due(pacing, dt) else { return };
+            let Some(dt) = Pacing::whole(pacing, dt) else { return };
             actions.advance(asset, dt);
             actions.apply(asset, pose.pose.locals_mut(), sampled);
             pose.pose.update_model_of(&asset.skeleton, &asset.trunk);

@@ -133,8 +133,11 @@ pub(super) fn keep_balance(
 ) {
     let dt = clock.delta_secs();
     characters.par_iter_mut().for_each(|(character, root, motion, locomotion, pacing, mut balance, mut pose)| {
-        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };
+        let (Some(asset), Some(dt)) = (assets.get(character), Pacing::whole(pacing, dt)) else { return };
         let config = &asset.file.balance;
+        if Pacing::begins(pacing) {
+            balance.felt = Spring::at(motion.ground_velocity.with_y(0.0));
+        }
         balance.feel(motion, root.rotation, locomotion.grade(), config, dt);
         if config.enabled {
             apply(&balance, &mut pose.pose, asset, config);

@@ -7,6 +7,7 @@ mod balance;
 mod blink;
 mod feet;
 mod morphs;
+mod past;
 
 use bevy::{prelude::*, utils::Parallel};
 
@@ -18,12 +19,13 @@ pub use morphs::{MorphScratch, MorphSources, morph_weights};
 use super::{
     Character,
     bind::CharacterAssets,
-    detail::Pacing,
+    detail::{ClipsOnly, Mode, Pacing},
     legs::keep_bent,
-    locomotion::{Locomotion, Playing},
+    locomotion::{Locomotion, Playing, Taken},
     schedule::{PoseClock, PoseSystems},
 };
 use feet::BlendedFeet;
+use past::Past;
 
 use crate::{
     anim::{
@@ -39,7 +41,7 @@ use crate::{
 /// A character's pose: written by the animator, changed by foot IK, read by skinning.
 #[derive(Component, Clone, Debug, Default)]
 pub struct CharacterPose {
-    /// Local transforms and model matrices of every joint.
+    /// Local transforms and model matrices of every joint. Of those that [clips alone](super::detail::Detail::clips_only) pose it stands still.
     ///
     /// In a tick, model matrices of all joints are up to date from `PoseSystems::Model` to `Ease`; in a frame from `Show` on, when they
     /// are those between the last two ticks. Local transforms are those of the last tick, or shown alike with
@@ -59,7 +61,7 @@ impl CharacterPose {
 
     /// The pose of what plays, without a past.
     pub(super) fn begin(&mut self, asset: &CharacterAsset, locomotion: &Locomotion) {
-        self.animate(asset, locomotion, &mut Scratch::default(), 0.0);
+        self.animate(asset, locomotion, &mut Scratch::default(), false, 0.0);
         self.pose.update_model(&asset.skeleton);
     }
 
@@ -126,18 +128,76 @@ impl CharacterPose {
         self.inertializer.recall(memory);
     }
 
-    fn animate(&mut self, asset: &CharacterAsset, locomotion: &Locomotion, scratch: &mut Scratch, dt: f32) {
-        let taken = locomotion.taken.filter(|taken| taken.blend != TransitionBlend::CrossFade);
+    /// What plays `share` of the way between the last two ticks, 0..=1.
+    pub fn plays_between(&self, asset: &CharacterAsset, share: f32, out: &mut Vec<Play>) {
+        self.past.between(asset, share, out);
+    }
+
+    /// Poses it as [blocks](super::crowd) show it, `share` of the way between the last two ticks: their readable reference, for checks.
+    /// False where nothing plays.
+    pub fn show_clips(&mut self, asset: &CharacterAsset, share: f32) -> bool {
+        let mut plays = Vec::new();
+        self.plays_between(asset, share, &mut plays);
+        let posed = asset.rows.sample(&plays, &mut LocalWorkspace::default(), self.pose.locals_mut());
+        if posed {
+            self.pose.update_model(&asset.skeleton);
+        }
+        posed
+    }
+
+    /// The local pose of what played in the last tick, or in the one `before`, by the clips alone; `None` where nothing did.
+    pub(super) fn clips_pose<'a>(
+        &self,
+        asset: &CharacterAsset,
+        before: bool,
+        scratch: &'a mut ClipsScratch,
+    ) -> Option<&'a [JointTransform]> {
+        scratch.pose.resize(asset.skeleton.len(), JointTransform::IDENTITY);
+        let plays = &self.past.plays[usize::from(before)];
+        asset.rows.sample(plays, &mut scratch.work, &mut scratch.pose).then_some(&scratch.pose)
+    }
+
+    /// One tick of who is posed by its clips alone: notes what they play, and poses it as long as it isn't `alone`.
+    fn animate_by_clips(
+        &mut self,
+        asset: &CharacterAsset,
+        locomotion: &Locomotion,
+        scratch: &mut Scratch,
+        (alone, returns): (bool, bool),
+        dt: f32,
+    ) {
+        scratch.spare.extend(self.inertializer.forget());
+        let mut plays = core::mem::take(&mut scratch.plays);
+        list(asset, locomotion, &mut plays);
+        if returns {
+            self.past.forget();
+            self.past.push(&plays, dt);
+        } else if let Some(taken) = carried_over(locomotion) {
+            self.past.leave(taken.fade);
+        }
+        self.past.fade(&mut plays, dt);
+        if !alone {
+            // Where nothing weighs anything the last pose stays.
+            let _ = asset.rows.sample(&plays, &mut scratch.work, self.pose.locals_mut());
+        }
+        self.past.push(&plays, dt);
+        scratch.plays = plays;
+    }
+
+    fn animate(
+        &mut self,
+        asset: &CharacterAsset,
+        locomotion: &Locomotion,
+        scratch: &mut Scratch,
+        joins: bool,
+        dt: f32,
+    ) {
+        let taken = carried_over(locomotion);
         if taken.is_some() && !self.inertializer.remembers() {
             self.recall(asset, scratch);
         }
         let mut plays = core::mem::take(&mut scratch.plays);
-        plays.clear();
-        plays.extend(locomotion.playing(asset).map(|Playing { index: clip, time, weight, .. }| Play {
-            clip,
-            time,
-            weight,
-        }));
+        list(asset, locomotion, &mut plays);
         let past_dt = self.past.dt;
         let played = self.play(asset, &plays, scratch, |inertializer, locals| {
             if let Some(taken) = taken {
@@ -148,34 +208,37 @@ impl CharacterPose {
         if played.is_some() {
             self.inertializer.record(self.pose.locals());
             scratch.spare.extend(self.inertializer.rest());
+            if joins {
+                // What clips alone would have played on.
+                self.past.fade(&mut plays, dt);
+                self.past.forget();
+            }
             self.past.push(&plays, dt);
         }
         scratch.plays = plays;
     }
 }
 
-/// What was played in the last two poses: enough to pose them again.
-#[derive(Clone, Debug, Default)]
-struct Past {
-    /// Newest first.
-    plays: [Vec<Play>; 2],
-    /// Seconds between the two.
-    dt: f32,
+/// The change of state that is to be carried over into the new one.
+fn carried_over(locomotion: &Locomotion) -> Option<Taken> {
+    locomotion.taken.filter(|taken| taken.blend != TransitionBlend::CrossFade)
 }
 
-impl Past {
-    /// Takes what both poses played, to be put back; `None` before there were two.
-    fn played(&mut self) -> Option<[Vec<Play>; 2]> {
-        let known = self.plays.iter().all(|plays| !plays.is_empty());
-        known.then(|| core::mem::take(&mut self.plays))
-    }
+/// Lists all that plays.
+fn list(asset: &CharacterAsset, locomotion: &Locomotion, plays: &mut Vec<Play>) {
+    plays.clear();
+    plays.extend(locomotion.playing(asset).map(|Playing { index: clip, time, weight, .. }| Play {
+        clip,
+        time,
+        weight,
+    }));
+}
 
-    fn push(&mut self, plays: &[Play], dt: f32) {
-        self.plays.swap(0, 1);
-        self.plays[0].clear();
-        self.plays[0].extend_from_slice(plays);
-        self.dt = dt;
-    }
+/// Memory of one thread for [`CharacterPose::clips_pose`].
+#[derive(Default)]
+pub(super) struct ClipsScratch {
+    work: LocalWorkspace,
+    pose: Vec<JointTransform>,
 }
 
 /// Memory of one thread for sampling.
@@ -223,8 +286,20 @@ fn animate(
     characters.par_iter_mut().for_each_init(
         || scratch.borrow_local_mut(),
         |scratch, (character, locomotion, pacing, mut pose)| {
-            if let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) {
-                pose.animate(asset, locomotion, scratch, dt);
+            let Some(asset) = assets.get(character) else { return };
+            match pacing {
+                Some(&Pacing { mode: Mode::ClipsOnly(stage), returns, .. }) if stage != ClipsOnly::Leaves => {
+                    let alone = stage == ClipsOnly::Alone;
+                    // Nobody shall take the pose of who is alone for changed.
+                    let pose = if alone { pose.bypass_change_detection() } else { &mut *pose };
+                    pose.animate_by_clips(asset, locomotion, scratch, (alone, returns), dt);
+                }
+                _ => {
+                    if let Some(dt) = Pacing::due(pacing, dt) {
+                        let joins = pacing.is_some_and(|pacing| pacing.joins);
+                        pose.animate(asset, locomotion, scratch, joins, dt);
+                    }
+                }
             }
         },
     );

@@ -19,7 +19,7 @@ use super::{
     Character,
     animator::CharacterPose,
     bind::CharacterAssets,
-    detail::{Mode, Pacing},
+    detail::{ClipsOnly, Mode, Pacing},
     schedule::PoseSystems,
     show::ShowLocals,
 };
@@ -204,7 +204,8 @@ fn reach(
 ) {
     let dt = time.delta_secs();
     for (entity, character, of, pacing, mut pose) in &mut characters {
-        let hidden = pacing.is_some_and(|pacing| pacing.mode == Mode::Hidden);
+        let hidden =
+            pacing.is_some_and(|pacing| matches!(pacing.mode, Mode::Hidden | Mode::ClipsOnly(ClipsOnly::Alone)));
         let Some(asset) = assets.get(character).filter(|_| !hidden) else { continue };
         let Ok(root) = transforms.compute_global_transform(entity) else { continue };
         for chain_entity in of.iter() {

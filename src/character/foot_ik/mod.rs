@@ -154,7 +154,7 @@ fn plant(
     let dt = clock.delta_secs();
     characters.par_iter_mut().for_each(
         |(character, root, motion, locomotion, filter, (detail, pacing), mut pose, mut ik)| {
-            let (Some(asset), Some(dt)) = (assets.get(character), Pacing::due(pacing, dt)) else { return };
+            let (Some(asset), Some(dt)) = (assets.get(character), Pacing::whole(pacing, dt)) else { return };
             let wanted = detail.is_none_or(|detail| detail.feet);
             // Landings turn with the body; one that begins to turn would throw them about.
             ik.turns = damp(ik.turns, motion.yaw_rate, TURNS_HALF_LIFE, dt);
@@ -164,7 +164,7 @@ fn plant(
             let leg_speed = locomotion.leg_speed(asset);
             let turns = ik.turns;
             let body = Body { root, motion, locomotion, asset, config, size, wanted, dt, turns, clips, leg_speed };
-            if pacing.is_some_and(|pacing| pacing.returns) {
+            if Pacing::begins(pacing) {
                 ik.reset();
             }
             if dt >= LONG {
