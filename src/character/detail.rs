@@ -43,7 +43,7 @@ pub struct Detail {
     ///
     /// True: with all others of its kind, in blocks and in every frame, straight to skinning matrices. Ten times as cheap as being
     /// posed by itself; feet, look and lean are off whatever the others say, and so is `step`. [`CharacterPose`] stands still. Who
-    /// plays an action, aims, has IK chains or a [`PoseRead`](super::crowd::PoseRead) is posed by itself nevertheless, and so is a
+    /// plays an action, aims, has IK chains or a [`PoseRead`] is posed by itself nevertheless, and so is a
     /// model whose clips keep keys or whose meshes have no skin.
     ///
     /// [`CharacterPose`]: super::animator::CharacterPose

@@ -121,9 +121,7 @@ pub enum CharacterError {
         instead: String,
     },
     /// The file lists no states, and none of the standard ones has its clip.
-    #[error(
-        "no state of `locomotion` has a clip: `{model}` has {clips}; list states, or give clips the names of states"
-    )]
+    #[error("no state of `locomotion` has a clip: `{model}` has {clips}; list states, or give clips their names")]
     NoState {
         /// The model.
         model: String,
