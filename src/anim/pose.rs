@@ -46,6 +46,19 @@ impl Pose {
         self.local[joint.index()] = transform;
     }
 
+    /// How the joint is turned in its parent's space.
+    #[must_use]
+    #[inline]
+    pub fn turn(&self, joint: JointIndex) -> Quat {
+        self.local[joint.index()].rotation
+    }
+
+    /// Turns the joint in its parent's space. Model matrices are stale afterwards, as after [`Pose::set_local`].
+    #[inline]
+    pub fn set_turn(&mut self, joint: JointIndex, rotation: Quat) {
+        self.local[joint.index()].rotation = rotation;
+    }
+
     /// All local transforms.
     #[must_use]
     pub fn locals(&self) -> &[JointTransform] {

@@ -56,10 +56,10 @@ pub fn place_leg(
     let solution = two_bone::solve(&limb, ankle_model, extension);
     let parent = pose.parent_rotation(skeleton, joints.upper);
     // Rotations in model space follow the local ones: what scales may lie above is in `parent` already.
-    let upper_before = parent * pose.local(joints.upper).rotation;
+    let upper_before = parent * pose.turn(joints.upper);
     let to_knee = turn_between(pose, skeleton, joints.upper, joints.lower);
     let to_ankle = turn_between(pose, skeleton, joints.lower, joints.foot);
-    let lower_before = upper_before * to_knee * pose.local(joints.lower).rotation;
+    let lower_before = upper_before * to_knee * pose.turn(joints.lower);
     let upper = solution.upper_delta * upper_before;
     let lower = solution.lower_delta * lower_before;
     set_rotation(pose, joints.upper, parent, upper);
@@ -124,6 +124,9 @@ pub fn keep_bent(pose: &mut Pose, skeleton: &Skeleton, leg: &Leg) {
 /// points; its height doesn't matter.
 #[must_use]
 pub fn heel_lift(hip: Vec3, ankle: Vec3, ball: Vec3, forward: Vec3, reach: f32) -> f32 {
+    if hip.distance_squared(ankle) <= reach * reach {
+        return 0.0;
+    }
     let Some(side) = lift_axis(forward) else { return 0.0 };
     let (foot, leg) = (ankle - ball, hip - ball);
     let aside = (leg - foot).dot(side);
@@ -179,10 +182,9 @@ pub fn keep_rotation(pose: &mut Pose, skeleton: &Skeleton, joint: JointIndex, ro
 }
 
 fn set_rotation(pose: &mut Pose, joint: JointIndex, parent_rotation: Quat, rotation_model: Quat) {
-    let mut local = pose.local(joint);
-    local.rotation = (parent_rotation.inverse() * rotation_model).normalize();
-    if local.rotation.is_finite() {
-        pose.set_local(joint, local);
+    let rotation = (parent_rotation.inverse() * rotation_model).normalize();
+    if rotation.is_finite() {
+        pose.set_turn(joint, rotation);
     }
 }
 
@@ -191,7 +193,7 @@ fn turn_between(pose: &Pose, skeleton: &Skeleton, above: JointIndex, below: Join
     let mut turn = Quat::IDENTITY;
     let mut walk = skeleton.parent(below);
     while let Some(joint) = walk.filter(|joint| *joint != above) {
-        turn = pose.local(joint).rotation * turn;
+        turn = pose.turn(joint) * turn;
         walk = skeleton.parent(joint);
     }
     turn

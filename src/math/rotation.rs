@@ -1,6 +1,6 @@
 //! Rotations: shortest arcs, logarithm and exponential, swing and twist. Every function takes any input without NaN.
 
-use bevy::math::{Quat, Vec2, Vec3, ops};
+use bevy::math::{Quat, Vec2, Vec3, Vec3A, ops};
 
 /// Squared lengths below this have no direction that `f32` can hold.
 const TINY_SQUARED: f32 = 1e-16;
@@ -8,6 +8,14 @@ const TINY_SQUARED: f32 = 1e-16;
 /// `vector` made one long; `None` where it has no direction.
 #[must_use]
 pub fn direction(vector: Vec3) -> Option<Vec3> {
+    let squared = vector.length_squared();
+    (squared.is_finite() && squared > TINY_SQUARED).then(|| vector / squared.sqrt())
+}
+
+/// As [`direction`], for aligned vectors.
+#[must_use]
+#[inline]
+pub fn direction_aligned(vector: Vec3A) -> Option<Vec3A> {
     let squared = vector.length_squared();
     (squared.is_finite() && squared > TINY_SQUARED).then(|| vector / squared.sqrt())
 }
@@ -31,20 +39,18 @@ pub fn any_perpendicular(axis: Vec3) -> Vec3 {
 #[must_use]
 pub fn shortest_arc(from: Vec3, to: Vec3) -> Quat {
     let (Some(from), Some(to)) = (direction(from), direction(to)) else { return Quat::IDENTITY };
-    shortest_arc_between_units(from, to)
+    shortest_arc_between_units(from.into(), to.into())
 }
 
 /// As [`shortest_arc`], for vectors that are one long.
 #[must_use]
 #[inline]
-pub fn shortest_arc_between_units(from: Vec3, to: Vec3) -> Quat {
+pub fn shortest_arc_between_units(from: Vec3A, to: Vec3A) -> Quat {
     let cos = from.dot(to);
     if cos < -0.999_999 {
-        let axis = any_perpendicular(from);
-        return Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
+        return Quat::from_vec4(any_perpendicular(from.into()).extend(0.0));
     }
-    let cross = from.cross(to);
-    Quat::from_xyzw(cross.x, cross.y, cross.z, 1.0 + cos).normalize()
+    Quat::from_vec4(from.cross(to).extend(1.0 + cos)).normalize()
 }
 
 /// Squared sine of half an angle (here of 11°) up to which a short series gives the angle.
@@ -75,6 +81,14 @@ pub fn from_scaled_axis(vector: Vec3) -> Quat {
     let (sin, cos) = ops::sin_cos(angle * 0.5);
     let xyz = vector * (sin / angle);
     Quat::from_xyzw(xyz.x, xyz.y, xyz.z, cos)
+}
+
+/// Turn about +Y by an angle in radians: [`from_scaled_axis`] of what has no other part.
+#[must_use]
+#[inline]
+pub fn yaw(radians: f32) -> Quat {
+    let (sin, cos) = ops::sin_cos(radians * 0.5);
+    Quat::from_xyzw(0.0, sin, 0.0, cos)
 }
 
 /// Angle between two rotations in radians, 0..=π.

@@ -2,9 +2,9 @@
 //!
 //! All positions in one space (model or world, metres); the deltas are rotations in that space.
 
-use bevy::math::{Quat, Vec3, ops};
+use bevy::math::{Quat, Vec3, Vec3A, ops};
 
-use crate::math::rotation::{any_perpendicular, direction, direction_or, shortest_arc_between_units};
+use crate::math::rotation::{any_perpendicular, direction, direction_aligned, direction_or, shortest_arc_between_units};
 
 /// Shortest bone in metres that still has a direction.
 pub(in crate::anim) const SHORTEST_BONE: f32 = 1e-4;
@@ -63,33 +63,34 @@ pub struct Solution {
 /// reach gives the limb stretched toward it, up to `extension.hard`; a target on the root folds the limb as far as it goes.
 #[must_use]
 pub fn solve(limb: &Limb, target: Vec3, extension: Extension) -> Solution {
-    let (upper, lower) = (limb.middle - limb.root, limb.end - limb.middle);
+    let [root, knee, end, target] = [limb.root, limb.middle, limb.end, target].map(Vec3A::from);
+    let (upper, lower) = (knee - root, end - knee);
     let (a, b) = (upper.length(), lower.length());
-    let unsolved = Solution {
-        upper_delta: Quat::IDENTITY,
-        lower_delta: Quat::IDENTITY,
-        middle: limb.middle,
-        end: limb.end,
-        missed: limb.end.distance(target),
-    };
     if !target.is_finite() || !(a + b).is_finite() || a.min(b) <= SHORTEST_BONE {
-        return unsolved;
+        return Solution {
+            upper_delta: Quat::IDENTITY,
+            lower_delta: Quat::IDENTITY,
+            middle: limb.middle,
+            end: limb.end,
+            missed: end.distance(target),
+        };
     }
-    let wanted = target - limb.root;
+    let (upper, lower) = (upper / a, lower / b);
+    let wanted = target - root;
     let distance = wanted.length();
     let reach = soften(distance, a + b, extension).max((a - b).abs() + SHORTEST_BONE);
-    let old_axis = direction(limb.end - limb.root).unwrap_or(upper / a);
+    let old_axis = direction_aligned(end - root).unwrap_or(upper);
     let new_axis = if distance > NOWHERE { wanted / distance } else { old_axis };
     let swing = shortest_arc_between_units(old_axis, new_axis);
     // At right angles to the new axis, as it was to the old one.
-    let bend = swing * bend_direction(limb, upper / a, old_axis);
+    let bend = swing * bend_direction(limb.pole, upper, old_axis);
     let cos = ((a * a + reach * reach - b * b) / (2.0 * a * reach)).clamp(-1.0, 1.0);
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
-    let (new_upper, end) = (new_axis * cos + bend * sin, limb.root + new_axis * reach);
-    let middle = limb.root + new_upper * a;
-    let upper_delta = shortest_arc_between_units(swing * (upper / a), new_upper) * swing;
-    let lower_delta = shortest_arc_between_units(swing * (lower / b), (end - middle) / b) * swing;
-    Solution { upper_delta, lower_delta, middle, end, missed: end.distance(target) }
+    let (new_upper, end) = (new_axis * cos + bend * sin, root + new_axis * reach);
+    let middle = root + new_upper * a;
+    let upper_delta = shortest_arc_between_units(swing * upper, new_upper) * swing;
+    let lower_delta = shortest_arc_between_units(swing * lower, (end - middle) / b) * swing;
+    Solution { upper_delta, lower_delta, middle: middle.into(), end: end.into(), missed: end.distance(target) }
 }
 
 /// Reach in metres that a limb of `length` gives when `wanted` is asked of it.
@@ -115,7 +116,8 @@ pub fn bend_angle(root: Vec3, middle: Vec3, end: Vec3) -> f32 {
 
 /// Unit direction from the reach axis toward the middle joint, at right angles to the axis; the pole's where the limb is
 /// straight. `upper` is the upper bone's direction.
-fn bend_direction(limb: &Limb, upper: Vec3, axis: Vec3) -> Vec3 {
+#[inline]
+fn bend_direction(pole: Vec3, upper: Vec3A, axis: Vec3A) -> Vec3A {
     let off_axis = upper - axis * upper.dot(axis);
     let sine = off_axis.length();
     // Between straight and clearly bent the pole hands over to the animated plane.
@@ -123,10 +125,11 @@ fn bend_direction(limb: &Limb, upper: Vec3, axis: Vec3) -> Vec3 {
     if share >= 1.0 {
         return off_axis / sine;
     }
+    let (off_axis, axis) = (Vec3::from(off_axis), Vec3::from(axis));
     let bent = direction(off_axis);
-    let pole = direction(limb.pole - axis * limb.pole.dot(axis)).unwrap_or_else(|| any_perpendicular(axis));
+    let pole = direction(pole - axis * pole.dot(axis)).unwrap_or_else(|| any_perpendicular(axis));
     let bent = bent.unwrap_or(pole);
-    direction_or(pole * (1.0 - share) + bent * share, bent)
+    direction_or(pole * (1.0 - share) + bent * share, bent).into()
 }
 
 #[cfg(test)]

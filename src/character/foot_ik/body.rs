@@ -21,7 +21,7 @@ use crate::{
         motion::MotionState,
         sole::sole_model,
     },
-    math::{rotation::from_scaled_axis, spring::damp},
+    math::{rotation::yaw, spring::damp},
     rig::{character::CharacterAsset, tuning::foot_ik::FootIkConfig},
 };
 
@@ -51,6 +51,8 @@ pub(super) struct Body<'a> {
     /// Whether feet shall find the ground at all.
     pub(super) wanted: bool,
     pub(super) dt: f32,
+    /// Horizontal direction that it goes, model space.
+    pub(super) way: Vec3,
     /// How fast it turns about +Y, rad/s, as feet see it.
     pub(super) turns: f32,
     /// How lively the clips are that play, and how fast they move a leg's joints, rad/s.
@@ -66,6 +68,11 @@ pub(super) struct LegAim<'a, P> {
     /// Least speed of the leg's joints that it may have, rad/s: who stops a fall is in a hurry.
     pub(super) hurry: f32,
     pub(super) probe: &'a P,
+}
+
+/// Horizontal direction, model space, that a body with this root goes.
+pub(super) fn way(root: &Transform, motion: &MotionState) -> Vec3 {
+    (root.rotation.inverse() * motion.ground_velocity).with_y(0.0).normalize_or(Vec3::NEG_Z)
 }
 
 impl Body<'_> {
@@ -105,18 +112,22 @@ impl Body<'_> {
         state: &FootState,
     ) -> AnimatedFoot {
         let leg = &self.asset.legs[side];
-        let cue = self.locomotion.cues[side];
+        let cue = &self.locomotion.cues[side];
         let world_from_model = self.root.to_isometry();
         let warp = self.warp(pose, leg);
         let ankle_model = pose.pose.position(leg.foot);
         let shift = warp(ankle_model);
-        let sole = sole_model(&pose.pose, leg).map(|point| world_from_model * (point + shift));
+        let [heel, ball, tip] = sole_model(&pose.pose, leg);
+        let place = |point: Vec3| world_from_model * (point + shift);
+        let mut sole = [place(heel), place(ball), place(tip), place(ankle_model)];
         // A foot that is about to land is already where the body's turn will have it, so that it comes to rest in the world.
         let share = if cue.contact < 0.5 { state.share_of_flight() } else { 0.0 };
-        let from_root = sole[1] - self.root.translation;
-        let ahead = self.turn_ahead(cue.time_to_contact, share) * from_root - from_root;
-        let sole = sole.map(|point| point + ahead);
-        let [heel, ball, tip] = sole;
+        if share > 0.0 {
+            let from_root = sole[1] - self.root.translation;
+            let ahead = self.turn_ahead(cue.time_to_contact, share) * from_root - from_root;
+            sole.iter_mut().for_each(|point| *point += ahead);
+        }
+        let [heel, ball, tip, ankle] = sole;
         let forward = (ball - heel).with_y(0.0).normalize_or(*self.root.forward());
         let (landing, landing_forward) = match cue.landing_model {
             Some(ball_model) if cue.contact < 0.5 => {
@@ -126,7 +137,7 @@ impl Body<'_> {
             _ => (ball, forward),
         };
         AnimatedFoot {
-            ankle: world_from_model * (ankle_model + shift) + ahead,
+            ankle,
             clip_ankle: world_from_model * ankle_model,
             heel,
             ball,
@@ -151,13 +162,12 @@ impl Body<'_> {
 
     /// A share of the turn that the body makes in `seconds`.
     fn turn_ahead(&self, seconds: f32, share: f32) -> Quat {
-        from_scaled_axis(Vec3::Y * ((self.turns * seconds).clamp(-1.2, 1.2) * share))
+        yaw((self.turns * seconds).clamp(-1.2, 1.2) * share)
     }
 
     /// Horizontal shift, in model space, that scales the stride about the hip along the way the body goes.
     fn warp(&self, pose: &CharacterPose, leg: &Leg) -> impl Fn(Vec3) -> Vec3 + use<> {
-        let hip = pose.pose.position(leg.upper);
-        let way = (self.root.rotation.inverse() * self.motion.ground_velocity).with_y(0.0).normalize_or(Vec3::NEG_Z);
+        let (hip, way) = (pose.pose.position(leg.upper), self.way);
         let excess = self.locomotion.machine.stride_scale() - 1.0;
         move |point: Vec3| way * ((point - hip).dot(way) * excess)
     }
@@ -220,7 +230,7 @@ impl Body<'_> {
     ) -> LegResult {
         let (placed, weight, config) = (aim.placed, aim.weight, self.config);
         let model_from_world = self.root.to_isometry().inverse();
-        let turn = Quat::IDENTITY.slerp(placed.turn, weight);
+        let turn = if weight < 1.0 { Quat::IDENTITY.slerp(placed.turn, weight) } else { placed.turn };
         let turn_model = model_from_world.rotation * turn * model_from_world.rotation.inverse();
         let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
         let animated = pose.pose.position(leg.upper).distance(pose.pose.position(leg.foot));
@@ -246,8 +256,8 @@ impl Body<'_> {
             damp(foot.heel, needed, HEEL.1, self.dt)
         };
         let lifted = foot.heel.max(foot.toes_down * weight);
-        let lift = heel_turn(forward, lifted);
-        let toes = leg.toes.map(|toes| (toes, turn_model * pose.pose.rotation(toes)));
+        let lift = if lifted > 0.0 { heel_turn(forward, lifted) } else { Quat::IDENTITY };
+        let toes = leg.toes.filter(|_| lifted > 0.0).map(|toes| (toes, turn_model * pose.pose.rotation(toes)));
         let rotation = lift * turn_model * pose.pose.rotation(leg.foot);
         let target = not_folded(pose.pose.position(leg.upper), ball + lift * (ankle - ball), leg.length());
         let result = place_leg(
@@ -259,7 +269,7 @@ impl Body<'_> {
             Vec3::NEG_Z,
             Extension { soft, hard: config.extension.1 },
         );
-        if let Some((toes, rotation)) = toes.filter(|_| lifted > 0.0) {
+        if let Some((toes, rotation)) = toes {
             keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
         }
         result

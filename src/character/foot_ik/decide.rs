@@ -3,8 +3,6 @@
 //! World space, metres, +Y up. The clip's contacts decide, and how far the body has left a plant; who stops finishes his
 //! steps himself.
 
-use bevy::prelude::*;
-
 use super::{
     flight::{Flight, ease},
     foot::{FootState, Mode, Pivot, Release, anchor_world, flat},
@@ -12,7 +10,7 @@ use super::{
     landing::Landing,
     surroundings::{AnimatedFoot, GroundFrames, Surroundings},
 };
-use crate::math::rotation::from_scaled_axis;
+use crate::math::rotation::yaw;
 
 /// How much more a lock endures, in place and turn, while a gait plays.
 const PATIENCE: f32 = 1.5;
@@ -128,7 +126,7 @@ impl FootState {
         if let Some((plant, anchor)) = plant.and_then(|plant| Some((plant, anchor_world(&plant, around.frames)?))) {
             // It takes off from where it is held now, not from where the ball was in the last frame.
             self.yaw_offset = plant.yaw_offset(foot, around.frames);
-            let from_pivot = from_scaled_axis(Vec3::Y * self.yaw_offset) * (foot.ball - foot.point(plant.pivot));
+            let from_pivot = yaw(self.yaw_offset) * (foot.ball - foot.point(plant.pivot));
             self.placed_ball = (anchor + from_pivot).with_y(self.placed_ball.y);
         }
         self.released = why;

@@ -22,7 +22,7 @@ use crate::{
     anim::{leg::Leg, pose::Pose},
     character::{legs::heel_turn, sole::sole_model},
     math::{
-        rotation::{from_scaled_axis, heading, twist_angle, wrap_angle},
+        rotation::{heading, twist_angle, wrap_angle, yaw},
         spring::Spring,
     },
 };
@@ -237,10 +237,13 @@ impl FootState {
 
     /// Notes by how much the sole of a leg that is late hangs lower than asked.
     pub(super) fn note_droop(&mut self, pose: &Pose, leg: &Leg, placed: &PlacedFoot) {
-        let lowest = |points: [Vec3; 3]| points[0].y.min(points[1].y).min(points[2].y);
-        let asked = lowest(placed.sole) - placed.ankle.y;
-        let made = lowest(sole_model(pose, leg)) - pose.position(leg.foot).y;
-        self.droops = if self.pace.is_late() || self.soften.eases() { (asked - made).max(0.0) } else { 0.0 };
+        self.droops = 0.0;
+        if self.pace.is_late() || self.soften.eases() {
+            let lowest = |points: [Vec3; 3]| points[0].y.min(points[1].y).min(points[2].y);
+            let asked = lowest(placed.sole) - placed.ankle.y;
+            let made = lowest(sole_model(pose, leg)) - pose.position(leg.foot).y;
+            self.droops = (asked - made).max(0.0);
+        }
     }
 
     /// In the air it goes another way from here.
@@ -252,7 +255,7 @@ impl FootState {
 
     /// One frame in the air, without ground: the foot is where the clip has it.
     pub(super) fn fly_free(&mut self, foot: &AnimatedFoot, dt: f32) {
-        let (carry, soften) = (self.carry, self.soften);
+        let (carry, soften) = (self.carry, core::mem::take(&mut self.soften));
         self.reset();
         (self.carry, self.soften) = (carry, soften);
         self.carry.note(foot.clip_ankle, foot.tip, dt);
@@ -299,12 +302,16 @@ impl FootState {
     /// Turns the foot to the plane and sets its lowest point as high over it as the clip has it over its floor.
     pub(super) fn place(&mut self, foot: &AnimatedFoot, held: Option<(Pivot, Vec3)>, plane: Plane) -> PlacedFoot {
         let turn = (self.align
-            * from_scaled_axis(Vec3::Y * self.yaw_offset)
+            * yaw(self.yaw_offset)
             * flattening(foot, self.flatten.value.clamp(0.0, 1.0)))
         .normalize();
         let [heel, ball, tip] = [foot.heel, foot.ball, foot.tip].map(|point| turn * (point - foot.ankle));
         // Reaching down the heel stays up; toes lie flat.
-        let heel = ball + heel_turn(ball - heel, self.toes_down) * (heel - ball);
+        let heel = if self.toes_down > 0.0 {
+            ball + heel_turn(ball - heel, self.toes_down) * (heel - ball)
+        } else {
+            heel
+        };
         let place = match held {
             Some((Pivot::Heel, anchor)) => anchor - heel,
             Some((Pivot::Ball, anchor)) => anchor - ball,

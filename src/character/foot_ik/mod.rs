@@ -162,8 +162,8 @@ fn plant(
             let config = &asset.file.foot_ik.for_leg(asset.leg_length);
             let size = asset.leg_length / TUNED_LEG;
             let leg_speed = locomotion.leg_speed(asset);
-            let turns = ik.turns;
-            let body = Body { root, motion, locomotion, asset, config, size, wanted, dt, turns, clips, leg_speed };
+            let (turns, way) = (ik.turns, body::way(root, motion));
+            let body = Body { root, motion, locomotion, asset, config, size, wanted, dt, way, turns, clips, leg_speed };
             if Pacing::begins(pacing) {
                 ik.reset();
             }
@@ -210,24 +210,27 @@ impl FootIk {
         if self.weight < OFF {
             return self.fly_free(body, pose, &animated);
         }
-        let placed = [0, 1].map(|side| {
+        let (reach, halts, may_restep) = (body.reach(), body.halts(), body.stands());
+        let mut advance = |side: usize| {
             let around = Surroundings {
                 probe,
                 frames,
-                reach: body.reach(),
+                reach,
                 sole: self.soles[side],
                 config,
                 size: body.size,
                 dt: body.dt,
                 other: self.feet[1 - side].plant().map(|plant| plant.pivot),
                 level: self.feet[1 - side].level(body, 1 - side, animated[side].time_to_contact),
-                halts: body.halts(),
-                may_restep: body.stands(),
+                halts,
+                may_restep,
             };
             self.feet[side].advance(&animated[side], &around)
-        });
+        };
+        let placed = [advance(0), advance(1)];
         self.placed = placed.map(Some);
-        let ankles = [0, 1].map(|side| animated[side].clip_ankle.lerp(placed[side].ankle, self.weight));
+        let ankle = |side: usize| animated[side].clip_ankle.lerp(placed[side].ankle, self.weight);
+        let ankles = [ankle(0), ankle(1)];
         self.sink_pelvis(body, pose, &animated, &placed, ankles);
         let hurry = self.pelvis.bending(body.asset.leg_length);
         for side in 0..2 {
@@ -239,7 +242,8 @@ impl FootIk {
 
     /// Feet as the clips have them.
     fn animated(&self, body: &Body<'_>, pose: &CharacterPose) -> [AnimatedFoot; 2] {
-        [0, 1].map(|side| body.animated_foot(pose, side, self.soles[side], &self.feet[side]))
+        let foot = |side: usize| body.animated_foot(pose, side, self.soles[side], &self.feet[side]);
+        [foot(0), foot(1)]
     }
 
     fn sink_pelvis(
@@ -254,7 +258,7 @@ impl FootIk {
         let (motion, root) = (body.motion, body.root.translation);
         let carried = motion.ground.map_or(0.0, |ground| ground.velocity.y);
         let ride = ride(placed, root, motion.ground_velocity, carried);
-        let legs = [0, 1].map(|side| {
+        let leg = |side: usize| {
             let leg = &body.asset.legs[side];
             let hip = world_from_model * pose.pose.position(leg.upper);
             let now = LegReach {
@@ -271,7 +275,8 @@ impl FootIk {
                 let now = LegReach { hip: now.hip + Vec3::Y * (then - ride.height), ..now };
                 body.landed(now, (landing, seconds), then, &animated[side], self.soles[side])
             })
-        });
+        };
+        let legs = [leg(0), leg(1)];
         let frame = PelvisFrame {
             floor: root.y,
             hips: body.hips(pose),

@@ -114,29 +114,43 @@ impl Found<'_> {
 impl Solid<'_> {
     /// Its ground straight below `start`, if that is higher than `lowest`.
     fn below(&self, start: Vec3, lowest: f32) -> Option<Found<'_>> {
+        let found = match &self.field {
+            Some(field) => Found::Field(field.below(start)?),
+            None => self.cast(start, lowest).map(|(height, normal)| Found::Cast { height, normal })?,
+        };
+        (found.height() > lowest).then_some(found)
+    }
+
+    /// World height of that.
+    #[inline]
+    fn height_below(&self, start: Vec3, lowest: f32) -> Option<f32> {
+        let height = match &self.field {
+            Some(field) => field.height_below(start)?,
+            None => self.cast(start, lowest)?.0,
+        };
+        (height > lowest).then_some(height)
+    }
+
+    /// World height and normal of what is no field.
+    fn cast(&self, start: Vec3, lowest: f32) -> Option<(f32, Vec3)> {
         let (least, most) = (self.bounds.min, self.bounds.max);
         let misses = start.x < least.x || start.x > most.x || start.z < least.z || start.z > most.z;
         if misses || start.y < least.y || lowest > most.y {
             return None;
         }
-        let found = if let Some(field) = &self.field {
-            Found::Field(field.below(start)?)
-        } else {
-            let (from, down) = (self.position, Vec3::NEG_Y);
-            let (distance, normal) =
-                self.collider.cast_ray(from, self.rotation, start, down, start.y - lowest, false)?;
-            Found::Cast { height: start.y - distance, normal: if normal.y < 0.0 { -normal } else { normal } }
-        };
-        (found.height() > lowest).then_some(found)
+        let (from, down) = (self.position, Vec3::NEG_Y);
+        let (distance, normal) = self.collider.cast_ray(from, self.rotation, start, down, start.y - lowest, false)?;
+        Some((start.y - distance, if normal.y < 0.0 { -normal } else { normal }))
     }
 }
 
 impl NearProbe<'_, '_, '_> {
     /// Whether all ground below `start` within `length` is known.
+    #[inline]
     fn knows(&self, start: Vec3, length: f32) -> bool {
         let end = Vec3A::new(start.x, start.y - length, start.z);
         let start = Vec3A::from(start);
-        start.cmple(self.most).all() && end.cmpge(self.least).all() && end.y < start.y
+        (start.cmple(self.most) & end.cmpge(self.least)).all() && length > 0.0
     }
 
     /// The highest ground below `start` within `length`, and whose it is.
@@ -166,6 +180,14 @@ impl Probe for NearProbe<'_, '_, '_> {
         if !self.knows(start, length) {
             return self.everywhere.height(start, length);
         }
-        self.highest(start, length).map(|(found, _)| found.height())
+        let mut highest = None;
+        let mut lowest = start.y - length;
+        for solid in &self.solids {
+            if let Some(height) = solid.height_below(start, lowest) {
+                lowest = height;
+                highest = Some(height);
+            }
+        }
+        highest
     }
 }

@@ -48,16 +48,17 @@ impl Pace {
 
     /// Notes a pose that nobody asked anything of.
     pub(super) fn note(&mut self, pose: &Pose, leg: &Leg, dt: f32) {
-        let rotation = |joint| pose.local(joint).rotation;
-        let now = leg.joints().map(rotation);
+        let turn = |joint| pose.turn(joint);
+        let now = leg.joints().map(turn);
         let speeds = self.turns(now).map(|turn| turn / dt.max(1e-4));
-        *self = Self { last: Some(now), toes: leg.toes.map(rotation), speeds, ..Self::default() };
+        *self = Self { last: Some(now), toes: leg.toes.map(turn), speeds, ..Self::default() };
     }
 
     /// Turns since the last frame, in each joint's own space then.
     fn turns(&self, now: [Quat; 3]) -> [Vec3; 3] {
-        let Some(last) = self.last else { return [Vec3::ZERO; 3] };
-        [0, 1, 2].map(|joint| to_scaled_axis(last[joint].inverse() * now[joint]))
+        let Some(last) = &self.last else { return [Vec3::ZERO; 3] };
+        let turn = |joint: usize| to_scaled_axis(last[joint].inverse() * now[joint]);
+        [turn(0), turn(1), turn(2)]
     }
 
     /// Turns the leg no faster than `fastest` lets it (rad/s, that of the clips). A leg that stands is where it stands, once
@@ -72,44 +73,48 @@ impl Pace {
     ) {
         let most = LIVELIER * fastest * dt;
         let joints = leg.joints();
-        let asked = joints.map(|joint| pose.local(joint).rotation);
+        let [hip, knee, ankle] = joints;
+        let asked = [pose.turn(hip), pose.turn(knee), pose.turn(ankle)];
         let turns = self.turns(asked);
-        let shares = [0, 1, 2].map(|joint| share(turns[joint], self.speeds[joint] * dt, most, dt));
+        let share = |joint: usize| share(turns[joint], self.speeds[joint] * dt, most, dt);
         // Hip and knee together, so that the foot keeps to its way; the ankle by itself.
         let before = self.shares.unwrap_or([1.0; 2]);
-        let shares = [shares[0].min(shares[1]).min(before[0] + CATCHES_UP), shares[2].min(before[1] + CATCHES_UP)];
+        let shares = [share(0).min(share(1)).min(before[0] + CATCHES_UP), share(2).min(before[1] + CATCHES_UP)];
         self.stands = if flies { 0.0 } else { self.stands + dt };
         self.late = (self.stands < LANDS || self.late) && shares[0].min(shares[1]) < 1.0;
         self.shares = None;
         if let Some(last) = self.last.filter(|_| self.late) {
             self.shares = Some(shares.map(|share| share.min(1.0)));
             for (index, joint) in joints.into_iter().enumerate() {
-                let mut local = pose.local(joint);
-                local.rotation = last[index].slerp(asked[index], shares[index / 2].min(1.0));
-                pose.set_local(joint, local);
+                pose.set_turn(joint, last[index].slerp(asked[index], shares[index / 2].min(1.0)));
             }
             pose.update_model_below(skeleton, leg.upper);
         }
         self.keep_toes(pose, skeleton, leg, most);
-        let now = joints.map(|joint| pose.local(joint).rotation);
+        let mut made = (asked, turns);
+        if self.shares.is_some() {
+            let now = [pose.turn(hip), pose.turn(knee), pose.turn(ankle)];
+            made = (now, self.turns(now));
+        }
         // A leg that isn't late is as it was asked to be.
-        let turns = if self.shares.is_some() { self.turns(now) } else { turns };
-        self.speeds = turns.map(|turn| turn / dt.max(1e-4));
+        let ((now, turns), per_second) = (made, dt.max(1e-4).recip());
+        self.speeds = [turns[0] * per_second, turns[1] * per_second, turns[2] * per_second];
         self.last = Some(now);
     }
 
     /// Toes never turn faster than they may.
     fn keep_toes(&mut self, pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, most: f32) {
         let Some(toes) = leg.toes else { return };
-        let mut local = pose.local(toes);
-        let last = self.toes.unwrap_or(local.rotation);
-        let turn = angle_between(last, local.rotation);
+        let asked = pose.turn(toes);
+        let last = self.toes.unwrap_or(asked);
+        let turn = angle_between(last, asked);
+        self.toes = Some(asked);
         if turn > most {
-            local.rotation = last.slerp(local.rotation, most / turn);
-            pose.set_local(toes, local);
+            let rotation = last.slerp(asked, most / turn);
+            self.toes = Some(rotation);
+            pose.set_turn(toes, rotation);
             pose.update_model_below(skeleton, toes);
         }
-        self.toes = Some(local.rotation);
     }
 }
 

@@ -47,31 +47,41 @@ impl Limits {
 }
 
 /// What a leg keeps of its motion.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Soften {
-    /// The leg in the last frame.
-    last: Option<Shown>,
+    /// What is known of the leg in the last frame.
+    known: Known,
+    /// The leg then: as asked and as shown.
+    asked: [Quat; JOINTS],
+    rotations: [Quat; JOINTS],
+    /// Places of knee, ankle and toes in model space.
+    places: [Vec3; 3],
+    /// How it came there from the frame before: rad/s and m/s.
+    turns: [Vec3; JOINTS],
+    moves: [Vec3; 3],
     /// What is left of its way before: offsets from what is asked, and their speeds, when it was left.
-    offsets: [(Vec3, Vec3); 4],
+    offsets: [(Vec3, Vec3); JOINTS],
     /// Seconds since then.
     elapsed: f32,
 }
 
-/// A leg as it was shown. Rotations of hip, knee, ankle and toes; places of knee, ankle and toes in model space.
-#[derive(Clone, Copy, Debug)]
-struct Shown {
-    asked: [Quat; 4],
-    rotations: [Quat; 4],
-    places: [Vec3; 3],
-    /// How it came there from the frame before: rad/s and m/s; `None` in its first frame.
-    speeds: Option<([Vec3; 4], [Vec3; 3])>,
+/// Hip, knee, ankle and toes.
+const JOINTS: usize = 4;
+
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Debug, Default)]
+enum Known {
+    #[default]
+    Nothing,
+    Place,
+    Motion,
 }
 
 impl Soften {
     /// Eases the leg of `pose` from how it moved so far into how it is posed.
     pub(super) fn keep(&mut self, pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, limits: Limits, dt: f32) {
         let dt = dt.max(1e-4);
-        let asked = joints(leg).map(|joint| pose.local(joint).rotation);
+        let per_second = dt.recip();
+        let asked = turns_of(pose, leg);
         let mut shown = asked;
         self.elapsed += dt;
         if self.elapsed < EASES {
@@ -81,46 +91,61 @@ impl Soften {
             }
             shown = show(pose, skeleton, leg, shown);
         }
-        let mut made = self.last.map(|last| last.turns_to(shown));
-        if let (Some(last), Some(turned)) = (self.last, made)
-            && let Some((turns, velocities)) = last.speeds
-        {
-            let moved = places(pose, leg).into_iter().zip(last.places);
-            let jumps = moved.zip(velocities).map(|((now, before), velocity)| ((now - before) / dt).distance(velocity));
-            let jump = jumps.fold(0.0, f32::max);
-            if jump > limits.jump || turned.into_iter().map(Vec3::length).fold(0.0, f32::max) > limits.turn {
-                for (index, shown) in shown.iter_mut().enumerate() {
-                    let before = last.rotations[index];
-                    let goes_on = from_scaled_axis(turns[index] * dt) * before;
-                    let eased = goes_on.slerp(*shown, (limits.jump / jump.max(limits.jump)).min(1.0));
-                    let turn = angle_between(eased, before);
-                    *shown = if turn > limits.turn { before.slerp(eased, limits.turn / turn) } else { eased };
-                    let speed = turn_between(before, *shown) - turn_between(last.asked[index], asked[index]);
-                    self.offsets[index] = (turn_between(asked[index], *shown), speed / dt);
-                }
-                self.elapsed = 0.0;
+        let mut made = self.turns_to(&shown);
+        let mut places = places(pose, leg);
+        if self.known == Known::Motion {
+            let jump = |index: usize| ((places[index] - self.places[index]) * per_second).distance_squared(self.moves[index]);
+            let jump = jump(0).max(jump(1)).max(jump(2));
+            let turn = |index: usize| made[index].length_squared();
+            let turn = turn(0).max(turn(1)).max(turn(2)).max(turn(3));
+            if jump > limits.jump * limits.jump || turn > limits.turn * limits.turn {
+                shown = self.limit(&asked, &shown, jump.sqrt(), limits, dt);
                 shown = show(pose, skeleton, leg, shown);
-                made = Some(last.turns_to(shown));
+                made = self.turns_to(&shown);
+                places = self::places(pose, leg);
             }
         }
-        self.note(asked, shown, places(pose, leg), made, dt);
+        self.note(asked, shown, places, made, per_second);
+    }
+
+    /// How a leg is turned that is asked to be turned as `shown`, which lets it `jump` by so many m/s, and keeps to its limits.
+    fn limit(
+        &mut self,
+        asked: &[Quat; JOINTS],
+        shown: &[Quat; JOINTS],
+        jump: f32,
+        limits: Limits,
+        dt: f32,
+    ) -> [Quat; JOINTS] {
+        let mut kept = *shown;
+        for (index, shown) in kept.iter_mut().enumerate() {
+            let before = self.rotations[index];
+            let goes_on = from_scaled_axis(self.turns[index] * dt) * before;
+            let eased = goes_on.slerp(*shown, (limits.jump / jump.max(limits.jump)).min(1.0));
+            let turn = angle_between(eased, before);
+            *shown = if turn > limits.turn { before.slerp(eased, limits.turn / turn) } else { eased };
+            let speed = turn_between(before, *shown) - turn_between(self.asked[index], asked[index]);
+            self.offsets[index] = (turn_between(asked[index], *shown), speed / dt);
+        }
+        self.elapsed = 0.0;
+        kept
     }
 
     /// The leg is shown elsewhere than it was kept: it eases on from there.
     pub(super) fn correct(&mut self, pose: &Pose, leg: &Leg, dt: f32) {
-        let Some(Shown { asked, rotations: kept, places: before, speeds }) = self.last else { return };
-        let rotations = joints(leg).map(|joint| pose.local(joint).rotation);
-        let now = places(pose, leg);
-        let speeds = speeds.map(|(turns, moves)| {
-            let turn = |index: usize| turns[index] + turn_between(kept[index], rotations[index]) / dt;
-            let way = |index: usize| moves[index] + (now[index] - before[index]) / dt;
-            ([0, 1, 2, 3].map(turn), [0, 1, 2].map(way))
-        });
+        if self.known == Known::Nothing {
+            return;
+        }
+        let (rotations, places) = (turns_of(pose, leg), places(pose, leg));
         for (index, offset) in self.offsets.iter_mut().enumerate() {
-            *offset = (turn_between(asked[index], rotations[index]), Vec3::ZERO);
+            self.turns[index] += turn_between(self.rotations[index], rotations[index]) / dt;
+            *offset = (turn_between(self.asked[index], rotations[index]), Vec3::ZERO);
+        }
+        for (index, now) in places.iter().enumerate() {
+            self.moves[index] += (now - self.places[index]) / dt;
         }
         self.elapsed = 0.0;
-        self.last = Some(Shown { asked, rotations, places: now, speeds });
+        (self.rotations, self.places) = (rotations, places);
     }
 
     /// Nothing is known of how the leg moved.
@@ -134,44 +159,59 @@ impl Soften {
     }
 
     /// `made` is how the leg turned since the last frame.
-    fn note(&mut self, asked: [Quat; 4], rotations: [Quat; 4], places: [Vec3; 3], made: Option<[Vec3; 4]>, dt: f32) {
-        let speeds = self.last.zip(made).map(|(last, made)| {
-            (made.map(|turn| turn / dt), [0, 1, 2].map(|index| (places[index] - last.places[index]) / dt))
-        });
-        if self.last.is_none() {
+    fn note(
+        &mut self,
+        asked: [Quat; JOINTS],
+        rotations: [Quat; JOINTS],
+        places: [Vec3; 3],
+        made: [Vec3; JOINTS],
+        per_second: f32,
+    ) {
+        if self.known == Known::Nothing {
             self.elapsed = EASES;
+            self.known = Known::Place;
+        } else {
+            for (speed, made) in self.turns.iter_mut().zip(made) {
+                *speed = made * per_second;
+            }
+            for (index, speed) in self.moves.iter_mut().enumerate() {
+                *speed = (places[index] - self.places[index]) * per_second;
+            }
+            self.known = Known::Motion;
         }
-        self.last = Some(Shown { asked, rotations, places, speeds });
+        (self.asked, self.rotations, self.places) = (asked, rotations, places);
     }
-}
 
-impl Shown {
     /// How its joints turn to come to `rotations`, axis times radians.
-    fn turns_to(&self, rotations: [Quat; 4]) -> [Vec3; 4] {
-        [0, 1, 2, 3].map(|index| turn_between(self.rotations[index], rotations[index]))
+    fn turns_to(&self, rotations: &[Quat; JOINTS]) -> [Vec3; JOINTS] {
+        let turn = |index: usize| turn_between(self.rotations[index], rotations[index]);
+        [turn(0), turn(1), turn(2), turn(3)]
     }
 }
 
 /// Hip, knee, ankle and toes; the ankle again where there are no toes.
-fn joints(leg: &Leg) -> [JointIndex; 4] {
+fn joints(leg: &Leg) -> [JointIndex; JOINTS] {
     [leg.upper, leg.lower, leg.foot, leg.toes.unwrap_or(leg.foot)]
+}
+
+fn turns_of(pose: &Pose, leg: &Leg) -> [Quat; JOINTS] {
+    let [hip, knee, ankle, toes] = joints(leg);
+    [pose.turn(hip), pose.turn(knee), pose.turn(ankle), pose.turn(toes)]
 }
 
 fn places(pose: &Pose, leg: &Leg) -> [Vec3; 3] {
     let [_, knee, ankle, toes] = joints(leg);
-    [knee, ankle, toes].map(|joint| pose.position(joint))
+    [pose.position(knee), pose.position(ankle), pose.position(toes)]
 }
 
 /// Turns the joints so, as far as a knee goes; gives how they are turned then.
-fn show(pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, rotations: [Quat; 4]) -> [Quat; 4] {
+fn show(pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, rotations: [Quat; JOINTS]) -> [Quat; JOINTS] {
     for (joint, rotation) in joints(leg).into_iter().zip(rotations) {
-        let mut local = pose.local(joint);
-        local.rotation = rotation;
-        pose.set_local(joint, local);
+        pose.set_turn(joint, rotation);
     }
     pose.update_model_below(skeleton, leg.upper);
     keep_bent(pose, skeleton, leg);
-    joints(leg).map(|joint| pose.local(joint).rotation)
+    turns_of(pose, leg)
 }
 
 /// The turn that takes `from` to `to`, axis times radians.

@@ -12,7 +12,7 @@ use super::{
     turns::limited_align,
 };
 use crate::math::{
-    rotation::{from_scaled_axis, heading, twist_angle, wrap_angle},
+    rotation::{heading, twist_angle, wrap_angle, yaw},
     spring::{damp, damp_quat, remaining},
 };
 
@@ -87,7 +87,7 @@ impl FootState {
         let frame = around.frames.frame(hit.entity).unwrap_or(Isometry3d::IDENTITY);
         let plane = Plane { point: hit.point, normal };
         let into = frame.inverse();
-        let facing = from_scaled_axis(Vec3::Y * self.yaw_offset) * foot.forward;
+        let facing = yaw(self.yaw_offset) * foot.forward;
         let point = self.placed(pivot);
         self.over = self.base - plane.height(self.placed_ball);
         self.ground = frame;

@@ -19,10 +19,15 @@ pub(super) fn flattening(foot: &AnimatedFoot, share: f32) -> Quat {
 
 /// Turn from upright to the ground's normal, within the foot's limits of pitch and roll.
 pub(super) fn limited_align(normal: Vec3, forward: Vec3, config: &FootIkConfig) -> Quat {
+    let align = shortest_arc(Vec3::Y, normal);
     let forward = direction_or(flat(forward), Vec3::NEG_Z);
     let side = forward.cross(Vec3::Y);
-    let turn = to_scaled_axis(shortest_arc(Vec3::Y, normal));
-    let pitch = turn.dot(side).clamp(-config.pitch_limit, config.pitch_limit);
-    let roll = turn.dot(forward).clamp(-config.roll_limit, config.roll_limit);
+    let turn = to_scaled_axis(align);
+    let (pitch, roll) = (turn.dot(side), turn.dot(forward));
+    if pitch.abs() <= config.pitch_limit && roll.abs() <= config.roll_limit {
+        return align;
+    }
+    let pitch = pitch.clamp(-config.pitch_limit, config.pitch_limit);
+    let roll = roll.clamp(-config.roll_limit, config.roll_limit);
     from_scaled_axis(side * pitch + forward * roll)
 }

@@ -54,6 +54,20 @@ impl<'a> UprightField<'a> {
     /// The ground straight below `from`; `None` where there is none.
     #[must_use]
     pub(in crate::character) fn below(&self, from: Vec3) -> Option<FieldGround<'_>> {
+        let (height, rise) = self.facet(from)?;
+        Some(FieldGround { field: self, height, rise })
+    }
+
+    /// World height of the ground straight below `from`; `None` where there is none.
+    #[must_use]
+    #[inline]
+    pub(in crate::character) fn height_below(&self, from: Vec3) -> Option<f32> {
+        self.facet(from).map(|(height, _)| height)
+    }
+
+    /// World height of the triangle straight below `from`, and what it rises over a whole cell along the field's x and z.
+    #[inline]
+    fn facet(&self, from: Vec3) -> Option<(f32, Vec2)> {
         let away = from - self.position;
         let local = self.turn.map_or(away, |turn| turn.inverse() * away);
         // In cells, from the corner of the field.
@@ -61,15 +75,16 @@ impl<'a> UprightField<'a> {
         if !(x >= 0.0 && z >= 0.0 && x <= self.cells.x && z <= self.cells.y) {
             return None;
         }
-        let (column, row) = ((x as usize).min(self.last.0), (z as usize).min(self.last.1));
-        let (u, v) = (x - column as f32, z - row as f32);
+        let (column, row) = ((x as i32 as usize).min(self.last.0), (z as i32 as usize).min(self.last.1));
+        let (u, v) = (x - column as i32 as f32, z - row as i32 as f32);
         let [here, behind, beside, across] = self.corners(column, row)?;
         // Each cell is two triangles: split from `here` to `across`, else from `behind` to `beside`.
         let status = self.status(column, row);
         let zigzag = status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
         let left = if zigzag { v >= u } else { u + v <= 1.0 };
-        let removed = [HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED, HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED];
-        if status.contains(removed[usize::from(left)]) {
+        let removed =
+            if left { HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED } else { HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED };
+        if status.contains(removed) {
             return None;
         }
         // Rise over a whole cell along x and z, and the height at the cell's corner if the triangle went on.
@@ -80,8 +95,7 @@ impl<'a> UprightField<'a> {
             (false, false) => (across - behind, across - beside, beside + behind - across),
         };
         let height = (base + u * along_x + v * along_z) * self.tall;
-        let rise = Vec2::new(along_x, along_z);
-        (height <= local.y).then_some(FieldGround { field: self, height: self.position.y + height, rise })
+        (height <= local.y).then_some((self.position.y + height, Vec2::new(along_x, along_z)))
     }
 
     /// Heights at the corners of a cell: the first, the next along z, the next along x, and the one across.
