@@ -53,18 +53,60 @@ pub fn place_leg(
         end: pose.position(joints.foot),
         pole: forward,
     };
-    let solution = two_bone::solve(&limb, ankle_model, extension);
-    let parent = pose.parent_rotation(skeleton, joints.upper);
-    // Rotations in model space follow the local ones: what scales may lie above is in `parent` already.
-    let upper_before = parent * pose.turn(joints.upper);
-    let to_knee = turn_between(pose, skeleton, joints.upper, joints.lower);
-    let to_ankle = turn_between(pose, skeleton, joints.lower, joints.foot);
-    let lower_before = upper_before * to_knee * pose.turn(joints.lower);
-    let upper = solution.upper_delta * upper_before;
-    let lower = solution.lower_delta * lower_before;
-    set_rotation(pose, joints.upper, parent, upper);
-    set_rotation(pose, joints.lower, upper * to_knee, lower);
-    set_rotation(pose, joints.foot, lower * to_ankle, foot_rotation);
+    place_limb(
+        pose,
+        skeleton,
+        joints,
+        &LegTurns::of(pose, skeleton, joints),
+        &limb,
+        (ankle_model, foot_rotation),
+        extension,
+    )
+}
+
+/// How a leg's joints are turned in model space. Rotations there follow the local ones: what scales may lie above is in the
+/// parent's already.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LegTurns {
+    /// What the leg hangs on.
+    parent: Quat,
+    upper: Quat,
+    lower: Quat,
+    /// The ankle.
+    pub(super) foot: Quat,
+    /// What twist joints turn from hip to knee and from knee to ankle.
+    to_knee: Quat,
+    to_ankle: Quat,
+}
+
+impl LegTurns {
+    pub(super) fn of(pose: &Pose, skeleton: &Skeleton, joints: LegJoints) -> Self {
+        let parent = pose.parent_rotation(skeleton, joints.upper);
+        let upper = parent * pose.turn(joints.upper);
+        let to_knee = turn_between(pose, skeleton, joints.upper, joints.lower);
+        let to_ankle = turn_between(pose, skeleton, joints.lower, joints.foot);
+        let lower = upper * to_knee * pose.turn(joints.lower);
+        let foot = lower * to_ankle * pose.turn(joints.foot);
+        Self { parent, upper, lower, foot, to_knee, to_ankle }
+    }
+}
+
+/// [`place_leg`] for a leg that is turned as `turns` says and lies as `limb` does, onto a place and rotation of its foot.
+pub(super) fn place_limb(
+    pose: &mut Pose,
+    skeleton: &Skeleton,
+    joints: LegJoints,
+    turns: &LegTurns,
+    limb: &Limb,
+    (ankle_model, foot_rotation): (Vec3, Quat),
+    extension: Extension,
+) -> LegResult {
+    let solution = two_bone::solve(limb, ankle_model, extension);
+    let upper = solution.upper_delta * turns.upper;
+    let lower = solution.lower_delta * turns.lower;
+    set_rotation(pose, joints.upper, turns.parent, upper);
+    set_rotation(pose, joints.lower, upper * turns.to_knee, lower);
+    set_rotation(pose, joints.foot, lower * turns.to_ankle, foot_rotation);
     pose.update_model_below(skeleton, joints.upper);
     let length = limb.root.distance(limb.middle) + limb.middle.distance(limb.end);
     LegResult {
@@ -174,11 +216,18 @@ pub fn not_folded(hip: Vec3, ankle: Vec3, length: f32) -> Vec3 {
     hip + direction_or(away, Vec3::NEG_Y) * (kept * length)
 }
 
-/// Gives `joint` this rotation in model space, whatever its parent has become.
-pub fn keep_rotation(pose: &mut Pose, skeleton: &Skeleton, joint: JointIndex, rotation_model: Quat) {
-    let parent = pose.parent_rotation(skeleton, joint);
-    set_rotation(pose, joint, parent, rotation_model);
-    pose.update_model_below(skeleton, joint);
+/// Turns toes by `turn` (model space), together with a foot that is turned as `foot` and will be as `foot_then`. Their model
+/// matrices are stale afterwards.
+pub(super) fn turn_toes(
+    pose: &mut Pose,
+    skeleton: &Skeleton,
+    (ankle, toes): (JointIndex, JointIndex),
+    (foot, foot_then): (Quat, Quat),
+    turn: Quat,
+) {
+    let to_toes = turn_between(pose, skeleton, ankle, toes);
+    let rotation = turn * (foot * to_toes * pose.turn(toes));
+    set_rotation(pose, toes, foot_then * to_toes, rotation);
 }
 
 fn set_rotation(pose: &mut Pose, joint: JointIndex, parent_rotation: Quat, rotation_model: Quat) {

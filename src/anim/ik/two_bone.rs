@@ -4,7 +4,9 @@
 
 use bevy::math::{Quat, Vec3, Vec3A, ops};
 
-use crate::math::rotation::{any_perpendicular, direction, direction_aligned, direction_or, shortest_arc_between_units};
+use crate::math::rotation::{
+    any_perpendicular, direction, direction_aligned, direction_or, shortest_arc_between_units,
+};
 
 /// Shortest bone in metres that still has a direction.
 pub(in crate::anim) const SHORTEST_BONE: f32 = 1e-4;
@@ -63,7 +65,8 @@ pub struct Solution {
 /// reach gives the limb stretched toward it, up to `extension.hard`; a target on the root folds the limb as far as it goes.
 #[must_use]
 pub fn solve(limb: &Limb, target: Vec3, extension: Extension) -> Solution {
-    let [root, knee, end, target] = [limb.root, limb.middle, limb.end, target].map(Vec3A::from);
+    let (root, knee, end) = (Vec3A::from(limb.root), Vec3A::from(limb.middle), Vec3A::from(limb.end));
+    let target = Vec3A::from(target);
     let (upper, lower) = (knee - root, end - knee);
     let (a, b) = (upper.length(), lower.length());
     if !target.is_finite() || !(a + b).is_finite() || a.min(b) <= SHORTEST_BONE {

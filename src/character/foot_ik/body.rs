@@ -13,10 +13,17 @@ use super::{
     surroundings::{AnimatedFoot, PlacedFoot},
 };
 use crate::{
-    anim::{ik::two_bone::Extension, leg::Leg, peak::Peak},
+    anim::{
+        ik::two_bone::{Extension, Limb},
+        leg::Leg,
+        peak::Peak,
+    },
     character::{
         animator::CharacterPose,
-        legs::{CLIP_EXTENSION, LegJoints, LegResult, heel_lift, heel_turn, keep_rotation, not_folded, place_leg},
+        legs::{
+            CLIP_EXTENSION, LegJoints, LegResult, LegTurns, heel_lift, heel_turn, not_folded, place_leg, place_limb,
+            turn_toes,
+        },
         locomotion::Locomotion,
         motion::MotionState,
         sole::sole_model,
@@ -233,20 +240,22 @@ impl Body<'_> {
         let turn = if weight < 1.0 { Quat::IDENTITY.slerp(placed.turn, weight) } else { placed.turn };
         let turn_model = model_from_world.rotation * turn * model_from_world.rotation.inverse();
         let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
-        let animated = pose.pose.position(leg.upper).distance(pose.pose.position(leg.foot));
+        let [hip, knee, clip_ankle] = leg.joints().map(|joint| pose.pose.position(joint));
+        let turns = LegTurns::of(&pose.pose, &self.asset.skeleton, joints);
+        let animated = hip.distance(clip_ankle);
         // A clip's own stretch is not resisted: level ground shows the clip as it is. Who jumps off stretches all he can.
         let stretched = if self.motion.ground.is_some() { animated / leg.length() } else { 1.0 };
         let soft = config.extension.0.max(stretched.min(config.extension.1 - 0.005));
         let ankle = model_from_world * placed.ankle;
         // The heel lifts about the toes' joint: that is where a foot bends.
         let rest = leg.toes.unwrap_or(leg.foot);
-        let ball = ankle + turn_model * (pose.pose.position(rest) - pose.pose.position(leg.foot));
+        let ball = ankle + turn_model * (pose.pose.position(rest) - clip_ankle);
         // Of the whole sole: at the end of a push-off the ankle stands over the toes, and beyond.
         let forward = model_from_world.rotation * (placed.sole[1] - placed.sole[0]);
         let needed = match leg.toes {
             Some(_) => {
                 let share = foot.heel_may_lift() * weight;
-                heel_lift(pose.pose.position(leg.upper), ankle, ball, forward, soft * leg.length()) * share
+                heel_lift(hip, ankle, ball, forward, soft * leg.length()) * share
             }
             None => 0.0,
         };
@@ -257,22 +266,20 @@ impl Body<'_> {
         };
         let lifted = foot.heel.max(foot.toes_down * weight);
         let lift = if lifted > 0.0 { heel_turn(forward, lifted) } else { Quat::IDENTITY };
-        let toes = leg.toes.filter(|_| lifted > 0.0).map(|toes| (toes, turn_model * pose.pose.rotation(toes)));
-        let rotation = lift * turn_model * pose.pose.rotation(leg.foot);
-        let target = not_folded(pose.pose.position(leg.upper), ball + lift * (ankle - ball), leg.length());
-        let result = place_leg(
+        let rotation = lift * turn_model * turns.foot;
+        if let Some(toes) = leg.toes.filter(|_| lifted > 0.0) {
+            turn_toes(&mut pose.pose, &self.asset.skeleton, (leg.foot, toes), (turns.foot, rotation), turn_model);
+        }
+        let target = not_folded(hip, ball + lift * (ankle - ball), leg.length());
+        place_limb(
             &mut pose.pose,
             &self.asset.skeleton,
             joints,
-            target,
-            rotation,
-            Vec3::NEG_Z,
+            &turns,
+            &Limb { root: hip, middle: knee, end: clip_ankle, pole: Vec3::NEG_Z },
+            (target, rotation),
             Extension { soft, hard: config.extension.1 },
-        );
-        if let Some((toes, rotation)) = toes {
-            keep_rotation(&mut pose.pose, &self.asset.skeleton, toes, rotation);
-        }
-        result
+        )
     }
 
     /// Lifts a foot that stands out of its ground, where its leg went on into it; gives whether it did.

@@ -301,17 +301,12 @@ impl FootState {
 
     /// Turns the foot to the plane and sets its lowest point as high over it as the clip has it over its floor.
     pub(super) fn place(&mut self, foot: &AnimatedFoot, held: Option<(Pivot, Vec3)>, plane: Plane) -> PlacedFoot {
-        let turn = (self.align
-            * yaw(self.yaw_offset)
-            * flattening(foot, self.flatten.value.clamp(0.0, 1.0)))
-        .normalize();
+        let turn =
+            (self.align * yaw(self.yaw_offset) * flattening(foot, self.flatten.value.clamp(0.0, 1.0))).normalize();
         let [heel, ball, tip] = [foot.heel, foot.ball, foot.tip].map(|point| turn * (point - foot.ankle));
         // Reaching down the heel stays up; toes lie flat.
-        let heel = if self.toes_down > 0.0 {
-            ball + heel_turn(ball - heel, self.toes_down) * (heel - ball)
-        } else {
-            heel
-        };
+        let heel =
+            if self.toes_down > 0.0 { ball + heel_turn(ball - heel, self.toes_down) * (heel - ball) } else { heel };
         let place = match held {
             Some((Pivot::Heel, anchor)) => anchor - heel,
             Some((Pivot::Ball, anchor)) => anchor - ball,

@@ -26,6 +26,18 @@ pub trait Probe {
     fn height(&self, start: Vec3, length: f32) -> Option<f32> {
         self.down(start, length).map(|hit| hit.point.y)
     }
+
+    /// The ground that `reach` reaches at a horizontal place; the height of `place` doesn't matter.
+    fn at(&self, place: Vec3, reach: &Reach) -> Option<GroundHit> {
+        let (start, length) = reach.ray(place);
+        self.down(start, length)
+    }
+
+    /// World height of that.
+    fn height_at(&self, place: Vec3, reach: &Reach) -> Option<f32> {
+        let (start, length) = reach.ray(place);
+        self.height(start, length)
+    }
 }
 
 /// Heights between which ground is looked for.
@@ -53,17 +65,21 @@ impl Reach {
 
     /// The ground at a horizontal place; the height of `place` doesn't matter.
     pub fn at(self, probe: &impl Probe, place: Vec3) -> Option<GroundHit> {
-        let (start, length) = self.ray(place);
-        probe.down(start, length)
+        probe.at(place, &self)
     }
 
     /// World height of the ground at a horizontal place.
     pub fn height(self, probe: &impl Probe, place: Vec3) -> Option<f32> {
-        let (start, length) = self.ray(place);
-        probe.height(start, length)
+        probe.height_at(place, &self)
     }
 
-    fn ray(self, place: Vec3) -> (Vec3, f32) {
+    /// Whether ground at this height is within reach at every place.
+    pub(super) fn reaches(&self, height: f32) -> bool {
+        height < self.root.y + self.up && height > self.root.y - self.down
+    }
+
+    /// Where a ray straight down through a place starts, and its length.
+    pub(super) fn ray(&self, place: Vec3) -> (Vec3, f32) {
         let away = place - self.root;
         let rise = STEEPEST * Vec2::new(away.x, away.z).length();
         let start = Vec3::new(place.x, self.root.y + self.up + rise, place.z);

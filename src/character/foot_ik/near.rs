@@ -125,7 +125,7 @@ impl Solid<'_> {
     #[inline]
     fn height_below(&self, start: Vec3, lowest: f32) -> Option<f32> {
         let height = match &self.field {
-            Some(field) => field.height_below(start)?,
+            Some(field) => field.below(start)?.height,
             None => self.cast(start, lowest)?.0,
         };
         (height > lowest).then_some(height)
@@ -165,6 +165,16 @@ impl NearProbe<'_, '_, '_> {
         }
         highest
     }
+
+    /// The ground at a horizontal place if there is but one field about and `reach`, which it was gathered for, reaches it.
+    #[inline]
+    fn sole_ground(&self, place: Vec3, reach: &Reach) -> Option<(FieldGround<'_>, Entity)> {
+        let [Solid { field: Some(field), entity, .. }] = self.solids.as_slice() else { return None };
+        let (least, most) = (self.least, self.most);
+        let known = place.x >= least.x && place.x <= most.x && place.z >= least.z && place.z <= most.z;
+        let ground = if known { field.ground(place)? } else { return None };
+        reach.reaches(ground.height).then_some((ground, *entity))
+    }
 }
 
 impl Probe for NearProbe<'_, '_, '_> {
@@ -189,5 +199,20 @@ impl Probe for NearProbe<'_, '_, '_> {
             }
         }
         highest
+    }
+    fn at(&self, place: Vec3, reach: &Reach) -> Option<GroundHit> {
+        if let Some((ground, entity)) = self.sole_ground(place, reach) {
+            return Some(GroundHit { point: place.with_y(ground.height), normal: ground.normal(), entity });
+        }
+        let (start, length) = reach.ray(place);
+        self.down(start, length)
+    }
+
+    fn height_at(&self, place: Vec3, reach: &Reach) -> Option<f32> {
+        if let Some((ground, _)) = self.sole_ground(place, reach) {
+            return Some(ground.height);
+        }
+        let (start, length) = reach.ray(place);
+        self.height(start, length)
     }
 }

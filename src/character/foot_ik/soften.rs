@@ -94,7 +94,8 @@ impl Soften {
         let mut made = self.turns_to(&shown);
         let mut places = places(pose, leg);
         if self.known == Known::Motion {
-            let jump = |index: usize| ((places[index] - self.places[index]) * per_second).distance_squared(self.moves[index]);
+            let jump =
+                |index: usize| ((places[index] - self.places[index]) * per_second).distance_squared(self.moves[index]);
             let jump = jump(0).max(jump(1)).max(jump(2));
             let turn = |index: usize| made[index].length_squared();
             let turn = turn(0).max(turn(1)).max(turn(2)).max(turn(3));

@@ -62,16 +62,19 @@ impl Way {
             let apart = APART * around.size;
             self.start = takeoff;
             self.apart = apart.max((self.length + heel + tip) / (PLACES - 1) as f32);
-            let line = Line { from: takeoff.y, rise: landing.y - takeoff.y, length: self.length.max(apart) };
+            let grade = (landing.y - takeoff.y) / self.length.max(apart);
             let slope = -normal.dot(self.along) / normal.y.max(0.2);
             for (place, seen) in self.seen.iter_mut().enumerate() {
                 let at = self.apart * place as f32 - heel;
                 // The lowest that the sole passes here, somewhere between its toes and its heel.
-                let balls = [at - tip, at + heel].map(|ball| ball.clamp(0.0, self.length));
-                let sole = balls.map(|ball| line.at(ball) + slope * (at - ball));
+                let ball = |ball: f32| (grade - slope) * ball.max(0.0).min(self.length);
+                let sole = takeoff.y + slope * at + ball(at - tip).min(ball(at + heel));
                 let ground = around.reach.height(around.probe, takeoff + self.along * at);
-                let over = ground.map_or(0.0, |ground| ground - sole[0].min(sole[1]));
-                *seen = over.max(0.0) + around.config.clearance * smooth(over / (OBSTACLE * around.size));
+                let over = ground.map_or(0.0, |ground| ground - sole);
+                *seen = 0.0;
+                if over > 0.0 {
+                    *seen = over + around.config.clearance * smooth(over / (OBSTACLE * around.size));
+                }
             }
         }
         for (lift, seen) in self.lifts.iter_mut().zip(self.seen) {
@@ -110,19 +113,6 @@ impl Way {
             })
             .fold(0.0, f32::max);
         most * smooth(share / RISE) * smooth((1.0 - share) / FALL)
-    }
-}
-
-/// The straight line from take-off to landing; level beyond.
-struct Line {
-    from: f32,
-    rise: f32,
-    length: f32,
-}
-
-impl Line {
-    fn at(&self, ball: f32) -> f32 {
-        self.from + self.rise * (ball / self.length).clamp(0.0, 1.0)
     }
 }
 

@@ -53,21 +53,15 @@ impl<'a> UprightField<'a> {
 
     /// The ground straight below `from`; `None` where there is none.
     #[must_use]
+    #[inline]
     pub(in crate::character) fn below(&self, from: Vec3) -> Option<FieldGround<'_>> {
-        let (height, rise) = self.facet(from)?;
-        Some(FieldGround { field: self, height, rise })
+        self.ground(from).filter(|ground| ground.height <= from.y)
     }
 
-    /// World height of the ground straight below `from`; `None` where there is none.
+    /// The ground at a horizontal place; `None` where there is none. The height of `from` doesn't matter.
     #[must_use]
     #[inline]
-    pub(in crate::character) fn height_below(&self, from: Vec3) -> Option<f32> {
-        self.facet(from).map(|(height, _)| height)
-    }
-
-    /// World height of the triangle straight below `from`, and what it rises over a whole cell along the field's x and z.
-    #[inline]
-    fn facet(&self, from: Vec3) -> Option<(f32, Vec2)> {
+    pub(in crate::character) fn ground(&self, from: Vec3) -> Option<FieldGround<'_>> {
         let away = from - self.position;
         let local = self.turn.map_or(away, |turn| turn.inverse() * away);
         // In cells, from the corner of the field.
@@ -82,8 +76,11 @@ impl<'a> UprightField<'a> {
         let status = self.status(column, row);
         let zigzag = status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
         let left = if zigzag { v >= u } else { u + v <= 1.0 };
-        let removed =
-            if left { HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED } else { HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED };
+        let removed = if left {
+            HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED
+        } else {
+            HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED
+        };
         if status.contains(removed) {
             return None;
         }
@@ -95,7 +92,7 @@ impl<'a> UprightField<'a> {
             (false, false) => (across - behind, across - beside, beside + behind - across),
         };
         let height = (base + u * along_x + v * along_z) * self.tall;
-        (height <= local.y).then_some((self.position.y + height, Vec2::new(along_x, along_z)))
+        Some(FieldGround { field: self, height: self.position.y + height, rise: Vec2::new(along_x, along_z) })
     }
 
     /// Heights at the corners of a cell: the first, the next along z, the next along x, and the one across.
