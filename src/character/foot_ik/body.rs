@@ -53,6 +53,7 @@ pub(super) struct Body<'a> {
     pub(super) asset: &'a CharacterAsset,
     /// Tuning, scaled to the leg.
     pub(super) config: &'a FootIkConfig,
+    pub(super) reach: Reach,
     /// Length of the leg as a factor on the mannequin's.
     pub(super) size: f32,
     /// Whether feet shall find the ground at all.
@@ -77,6 +78,12 @@ pub(super) struct LegAim<'a, P> {
     pub(super) probe: &'a P,
 }
 
+/// The ground that feet reach for around this root.
+pub(super) fn reach(root: &Transform, config: &FootIkConfig) -> Reach {
+    let (up, down) = (config.probe_up, config.probe_down);
+    Reach { root: root.translation, up, down, upright: ops::cos(config.walkable) }
+}
+
 /// Horizontal direction, model space, that a body with this root goes.
 pub(super) fn way(root: &Transform, motion: &MotionState) -> Vec3 {
     (root.rotation.inverse() * motion.ground_velocity).with_y(0.0).normalize_or(Vec3::NEG_Z)
@@ -98,16 +105,6 @@ impl Body<'_> {
     pub(super) fn halts(&self) -> bool {
         let machine = &self.locomotion.machine;
         self.motion.ground.is_some() && (machine.is_empty() || !machine.steps(machine.current()))
-    }
-
-    pub(super) fn reach(&self) -> Reach {
-        let config = self.config;
-        Reach {
-            root: self.root.translation,
-            up: config.probe_up,
-            down: config.probe_down,
-            upright: ops::cos(config.walkable),
-        }
     }
 
     /// The foot as the clip has it, in world space, its stride warped to the ground speed.
@@ -317,7 +314,7 @@ impl Body<'_> {
             foot.lifted = 0.0;
             return;
         }
-        let ground = |point: Vec3| self.reach().height(*probe, point);
+        let ground = |point: Vec3| self.reach.height(*probe, point);
         let over = |point: Vec3| point.y - ground(point).unwrap_or_else(|| placed.plane.height(point));
         let lowest = |points: [Vec3; 3]| points.map(over).into_iter().fold(f32::MAX, f32::min);
         let world_from_model = self.root.to_isometry();

@@ -226,11 +226,10 @@ pub fn find_room(
     let mut best: Option<(f32, Footprint)> = None;
     let step = SHIFT_STEP * sole.size();
     let steps = (most / step).ceil().max(0.0) as i32;
-    let tries = core::iter::once(preferred)
-        .chain(core::iter::once(0.0))
+    let others = core::iter::once(0.0)
         .chain((1..=steps).flat_map(|i| [i as f32 * step, -(i as f32) * step]))
-        .filter(|shift| shift.abs() <= most);
-    for shift in tries {
+        .filter(|shift| (shift - preferred).abs() > 0.0);
+    for shift in core::iter::once(preferred).chain(others).filter(|shift| shift.abs() <= most) {
         let Some(print) = footprint(probe, reach, ball + forward * shift, forward, sole) else { continue };
         if print.has_room(&sole) {
             return Some((shift, print));

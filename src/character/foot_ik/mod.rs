@@ -162,8 +162,9 @@ fn plant(
             let config = &asset.file.foot_ik.for_leg(asset.leg_length);
             let size = asset.leg_length / TUNED_LEG;
             let leg_speed = locomotion.leg_speed(asset);
-            let (turns, way) = (ik.turns, body::way(root, motion));
-            let body = Body { root, motion, locomotion, asset, config, size, wanted, dt, way, turns, clips, leg_speed };
+            let (turns, way, reach) = (ik.turns, body::way(root, motion), body::reach(root, config));
+            let body =
+                Body { root, motion, locomotion, asset, config, reach, size, wanted, dt, way, turns, clips, leg_speed };
             if Pacing::begins(pacing) {
                 ik.reset();
             }
@@ -175,7 +176,7 @@ fn plant(
                 return ik.fly_free(&body, &mut pose, &animated);
             }
             let mut probe = grounds.probe(filter);
-            grounds.gather(filter, body.reach(), STRIDE * asset.leg_length, &mut probe);
+            grounds.gather(filter, body.reach, STRIDE * asset.leg_length, &mut probe);
             ik.place(&body, &mut pose, &probe, &frames);
         },
     );
@@ -210,12 +211,12 @@ impl FootIk {
         if self.weight < OFF {
             return self.fly_free(body, pose, &animated);
         }
-        let (reach, halts, may_restep) = (body.reach(), body.halts(), body.stands());
+        let (halts, may_restep) = (body.halts(), body.stands());
         let mut advance = |side: usize| {
             let around = Surroundings {
                 probe,
                 frames,
-                reach,
+                reach: body.reach,
                 sole: self.soles[side],
                 config,
                 size: body.size,

@@ -23,22 +23,24 @@ const CATCHES_UP: f32 = 0.12;
 /// How a leg's joints were turned in the last frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pace {
-    last: Option<[Quat; 3]>,
-    /// Angular velocities of hip, knee and ankle, rad/s.
-    speeds: [Vec3; 3],
-    toes: Option<Quat>,
-    /// Seconds since it stands.
-    stands: f32,
+    /// Hip, knee, ankle and toes, and whether they are known.
+    last: [Quat; 3],
+    toes: Quat,
+    known: bool,
     /// Whether it is behind what was asked.
     late: bool,
-    /// Share of what was asked that hip and knee, and the ankle, made in the last frame.
-    shares: Option<[f32; 2]>,
+    /// Angular velocities of hip, knee and ankle, rad/s.
+    speeds: [Vec3; 3],
+    /// Seconds since it stands.
+    stands: f32,
+    /// Share of what was asked that hip and knee, and the ankle, made in the last frame, if they are late.
+    shares: [f32; 2],
 }
 
 impl Pace {
     /// Share of what was asked that the leg made in the last frame, 0..1.
     pub(super) fn share(&self) -> f32 {
-        self.shares.map_or(1.0, |[leg, _]| leg)
+        if self.late { self.shares[0] } else { 1.0 }
     }
 
     /// Whether the leg is behind what was asked.
@@ -48,16 +50,18 @@ impl Pace {
 
     /// Notes a pose that nobody asked anything of.
     pub(super) fn note(&mut self, pose: &Pose, leg: &Leg, dt: f32) {
-        let turn = |joint| pose.turn(joint);
-        let now = leg.joints().map(turn);
-        let speeds = self.turns(now).map(|turn| turn / dt.max(1e-4));
-        *self = Self { last: Some(now), toes: leg.toes.map(turn), speeds, ..Self::default() };
+        let last = leg.joints().map(|joint| pose.turn(joint));
+        let speeds = self.turns(&last).map(|turn| turn / dt.max(1e-4));
+        let toes = leg.toes.map_or(Quat::IDENTITY, |toes| pose.turn(toes));
+        *self = Self { last, toes, known: true, speeds, ..Self::default() };
     }
 
     /// Turns since the last frame, in each joint's own space then.
-    fn turns(&self, now: [Quat; 3]) -> [Vec3; 3] {
-        let Some(last) = &self.last else { return [Vec3::ZERO; 3] };
-        let turn = |joint: usize| to_scaled_axis(last[joint].inverse() * now[joint]);
+    fn turns(&self, now: &[Quat; 3]) -> [Vec3; 3] {
+        if !self.known {
+            return [Vec3::ZERO; 3];
+        }
+        let turn = |joint: usize| to_scaled_axis(self.last[joint].inverse() * now[joint]);
         [turn(0), turn(1), turn(2)]
     }
 
@@ -75,44 +79,42 @@ impl Pace {
         let joints = leg.joints();
         let [hip, knee, ankle] = joints;
         let asked = [pose.turn(hip), pose.turn(knee), pose.turn(ankle)];
-        let turns = self.turns(asked);
-        let share = |joint: usize| share(turns[joint], self.speeds[joint] * dt, most, dt);
-        // Hip and knee together, so that the foot keeps to its way; the ankle by itself.
-        let before = self.shares.unwrap_or([1.0; 2]);
-        let shares = [share(0).min(share(1)).min(before[0] + CATCHES_UP), share(2).min(before[1] + CATCHES_UP)];
+        // A leg that isn't late is as it was asked to be.
+        let (mut now, mut turns) = (asked, self.turns(&asked));
         self.stands = if flies { 0.0 } else { self.stands + dt };
-        self.late = (self.stands < LANDS || self.late) && shares[0].min(shares[1]) < 1.0;
-        self.shares = None;
-        if let Some(last) = self.last.filter(|_| self.late) {
-            self.shares = Some(shares.map(|share| share.min(1.0)));
+        let was_late = core::mem::take(&mut self.late);
+        if self.known && (was_late || self.stands < LANDS) {
+            let share = |joint: usize| share(turns[joint], self.speeds[joint] * dt, most, dt);
+            // Hip and knee together, so that the foot keeps to its way; the ankle by itself.
+            let before = if was_late { self.shares } else { [1.0; 2] };
+            let shares = [share(0).min(share(1)).min(before[0] + CATCHES_UP), share(2).min(before[1] + CATCHES_UP)];
+            self.late = shares[0].min(shares[1]) < 1.0;
+            self.shares = shares.map(|share| share.min(1.0));
+        }
+        if self.late {
             for (index, joint) in joints.into_iter().enumerate() {
-                pose.set_turn(joint, last[index].slerp(asked[index], shares[index / 2].min(1.0)));
+                now[index] = self.last[index].slerp(asked[index], self.shares[index / 2]);
+                pose.set_turn(joint, now[index]);
             }
             pose.update_model_below(skeleton, leg.upper);
+            turns = self.turns(&now);
         }
         self.keep_toes(pose, skeleton, leg, most);
-        let mut made = (asked, turns);
-        if self.shares.is_some() {
-            let now = [pose.turn(hip), pose.turn(knee), pose.turn(ankle)];
-            made = (now, self.turns(now));
-        }
-        // A leg that isn't late is as it was asked to be.
-        let ((now, turns), per_second) = (made, dt.max(1e-4).recip());
+        let per_second = dt.max(1e-4).recip();
         self.speeds = [turns[0] * per_second, turns[1] * per_second, turns[2] * per_second];
-        self.last = Some(now);
+        self.last = now;
+        self.known = true;
     }
 
     /// Toes never turn faster than they may.
     fn keep_toes(&mut self, pose: &mut Pose, skeleton: &Skeleton, leg: &Leg, most: f32) {
         let Some(toes) = leg.toes else { return };
         let asked = pose.turn(toes);
-        let last = self.toes.unwrap_or(asked);
-        let turn = angle_between(last, asked);
-        self.toes = Some(asked);
+        let last = core::mem::replace(&mut self.toes, asked);
+        let turn = if self.known { angle_between(last, asked) } else { 0.0 };
         if turn > most {
-            let rotation = last.slerp(asked, most / turn);
-            self.toes = Some(rotation);
-            pose.set_turn(toes, rotation);
+            self.toes = last.slerp(asked, most / turn);
+            pose.set_turn(toes, self.toes);
             pose.update_model_below(skeleton, toes);
         }
     }
