@@ -176,7 +176,12 @@ fn plant(
                 return ik.fly_free(&body, &mut pose, &animated);
             }
             let mut probe = grounds.probe(filter);
-            grounds.gather(filter, body.reach, STRIDE * asset.leg_length, &mut probe);
+            // Feet that stay where they stand ask for no ground.
+            let stay =
+                ik.feet.iter().zip(&locomotion.cues).all(|(foot, cue)| foot.stands_on_forefoot() && cue.contact > 0.9);
+            if !stay {
+                grounds.gather(filter, body.reach, STRIDE * asset.leg_length, &mut probe);
+            }
             ik.place(&body, &mut pose, &probe, &frames);
         },
     );

@@ -72,27 +72,28 @@ impl<'a> UprightField<'a> {
         let (column, row) = ((x as i32 as usize).min(self.last.0), (z as i32 as usize).min(self.last.1));
         let (u, v) = (x - column as i32 as f32, z - row as i32 as f32);
         let [here, behind, beside, across] = self.corners(column, row)?;
-        // Each cell is two triangles: split from `here` to `across`, else from `behind` to `beside`.
+        // Each cell is two triangles: split from `here` to `across`, else from `behind` to `beside`. Which of them it is, is taken
+        // in without a branch, since nobody foresees it: how far beyond the split, and how the ground bends there.
         let status = self.status(column, row);
         let zigzag = status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
-        let left = if zigzag { v >= u } else { u + v <= 1.0 };
-        let removed = if left {
-            HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED
+        let (beyond, along, bend) = if zigzag {
+            let bend = behind - here - (across - beside);
+            (v - u, Vec2::new(beside - here, across - beside), Vec2::new(-bend, bend))
         } else {
-            HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED
+            let bend = across - beside - (behind - here);
+            (u + v - 1.0, Vec2::new(beside - here, behind - here), Vec2::splat(bend))
         };
-        if status.contains(removed) {
-            return None;
+        if status.intersects(HeightFieldCellStatus::CELL_REMOVED) {
+            let left = if zigzag { beyond >= 0.0 } else { beyond <= 0.0 };
+            let removed = [HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED, HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED];
+            if status.contains(removed[usize::from(left)]) {
+                return None;
+            }
         }
-        // Rise over a whole cell along x and z, and the height at the cell's corner if the triangle went on.
-        let (along_x, along_z, base) = match (zigzag, left) {
-            (true, true) => (across - behind, behind - here, here),
-            (true, false) => (beside - here, across - beside, here),
-            (false, true) => (beside - here, behind - here, here),
-            (false, false) => (across - behind, across - beside, beside + behind - across),
-        };
-        let height = (base + u * along_x + v * along_z) * self.tall;
-        Some(FieldGround { field: self, height: self.position.y + height, rise: Vec2::new(along_x, along_z) })
+        let height = (here + u * along.x + v * along.y + beyond.max(0.0) * bend.y) * self.tall;
+        // What it rises over a whole cell.
+        let rise = along + bend * f32::from(u8::from(beyond > 0.0));
+        Some(FieldGround { field: self, height: self.position.y + height, rise })
     }
 
     /// Heights at the corners of a cell: the first, the next along z, the next along x, and the one across.
