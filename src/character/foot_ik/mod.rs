@@ -233,15 +233,15 @@ impl FootIk {
             };
             self.feet[side].advance(&animated[side], &around)
         };
-        let placed = [advance(0), advance(1)];
+        let mut placed = [advance(0), advance(1)];
         self.placed = placed.map(Some);
         let ankle = |side: usize| animated[side].clip_ankle.lerp(placed[side].ankle, self.weight);
         let ankles = [ankle(0), ankle(1)];
         self.sink_pelvis(body, pose, &animated, &placed, ankles);
         let hurry = self.pelvis.bending(body.asset.leg_length);
         for side in 0..2 {
-            let placed = &PlacedFoot { ankle: ankles[side], ..placed[side] };
-            let aim = LegAim { placed, weight: self.weight, hurry, probe };
+            placed[side].ankle = ankles[side];
+            let aim = LegAim { placed: &placed[side], weight: self.weight, hurry, probe };
             self.legs[side] = body.solve_leg(pose, side, &mut self.feet[side], &aim);
         }
     }
