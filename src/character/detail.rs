@@ -52,7 +52,8 @@ pub struct Detail {
     ///
     /// False for who isn't seen, its shadow included: its pose stands still, and jumps when it is posed again.
     pub posed: bool,
-    /// Seconds for which the controller may go on without looking where it goes: see [`Glide`]. Default 0.
+    /// Seconds for which the controller may go on without looking where it goes: see [`Glide`]; and locomotion without looking
+    /// at the controller while nobody sees the pose. Default 0.
     pub glide: f32,
 }
 
@@ -196,7 +197,7 @@ type Paced = (
     (Option<&'static Actions>, Option<&'static Aiming>, &'static MoveIntent, Has<Chains>, Has<PoseRead>),
 );
 
-fn pace(clock: Res<PoseClock>, assets: CharacterAssets, mut characters: Query<Paced>) {
+pub(super) fn pace(clock: Res<PoseClock>, assets: CharacterAssets, mut characters: Query<Paced>) {
     characters.par_iter_mut().for_each(|(entity, character, detail, mut pacing, mut glide, ease, locomotion, also)| {
         glide.set_if_neq(Glide(detail.glide));
         // An inertialized change of state begins with the pose that it leaves; others fade by themselves.

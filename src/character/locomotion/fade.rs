@@ -8,29 +8,42 @@ use crate::math::fade::Fade;
 /// Each is a [`Fade`] of its own; all of them together are normalised.
 #[derive(Clone, Debug)]
 pub struct Fades {
-    ways: Vec<Fade>,
-    /// Where all ways are now, normalised.
-    weights: Vec<f32>,
+    ways: Vec<Way>,
+    /// States that weigh something or are on their way, in ascending order: all others are left alone.
+    live: Vec<usize>,
     /// Whether all weights have arrived.
     settled: bool,
+}
+
+/// One state.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    fade: Fade,
+    /// Where it is now, normalised.
+    weight: f32,
 }
 
 impl Fades {
     /// `count` states, all weight on `first`.
     #[must_use]
     pub fn new(count: usize, first: usize) -> Self {
-        let at = |i| if i == first { 1.0 } else { 0.0 };
+        let way = |state| if state == first { 1.0 } else { 0.0 };
+        let mut live = Vec::with_capacity(count);
+        live.extend((first < count).then_some(first));
         Self {
-            ways: (0..count).map(|i| Fade::at(at(i))).collect(),
-            weights: (0..count).map(at).collect(),
+            ways: (0..count).map(way).map(|at| Way { fade: Fade::at(at), weight: at }).collect(),
+            live,
             settled: true,
         }
     }
 
     /// Sends all weight to `state` within `seconds`; at once for 0.
     pub fn send_to(&mut self, state: usize, seconds: f32) {
-        for (index, way) in self.ways.iter_mut().enumerate() {
-            way.send_to(if index == state { 1.0 } else { 0.0 }, seconds);
+        if let Err(place) = self.live.binary_search(&state) {
+            self.live.insert(place, state);
+        }
+        for live in &self.live {
+            self.ways[*live].fade.send_to(if *live == state { 1.0 } else { 0.0 }, seconds);
         }
         self.settled = false;
     }
@@ -40,27 +53,38 @@ impl Fades {
         if self.settled {
             return;
         }
-        for (way, weight) in self.ways.iter_mut().zip(&mut self.weights) {
-            way.advance(dt);
-            *weight = way.value();
+        let Self { ways, live, settled } = self;
+        let mut total = 0.0;
+        *settled = true;
+        for state in &*live {
+            let way = &mut ways[*state];
+            way.fade.advance(dt);
+            way.weight = way.fade.value();
+            total += way.weight;
+            *settled &= !way.fade.is_fading();
         }
-        let total: f32 = self.weights.iter().sum();
         if total > 0.0 {
-            self.weights.iter_mut().for_each(|weight| *weight /= total);
+            live.iter().for_each(|state| ways[*state].weight /= total);
         }
-        self.settled = !self.is_fading();
+        live.retain(|state| ways[*state].weight > 0.0 || ways[*state].fade.is_fading());
     }
 
     /// Weight of `state` as of the last [`Fades::advance`], 0..=1; all sum to one.
     #[must_use]
     pub fn weight(&self, state: usize) -> f32 {
-        self.weights[state]
+        self.ways[state].weight
+    }
+
+    /// States that weigh something, and those on their way, in ascending order.
+    #[must_use]
+    pub fn live(&self) -> &[usize] {
+        &self.live
     }
 
     /// Whether a fade is under way.
     #[must_use]
     pub fn is_fading(&self) -> bool {
-        self.ways.iter().any(Fade::is_fading)
+        self.live.iter().any(|state| self.ways[*state].fade.is_fading())
     }
 }
 

@@ -111,6 +111,12 @@ impl Machine {
         self.fades.weight(state)
     }
 
+    /// States that may weigh something, in ascending order: all others weigh nothing.
+    #[must_use]
+    pub fn live(&self) -> &[usize] {
+        self.fades.live()
+    }
+
     /// How much of a state its clip number `clip` is, 0..=1; those of a state sum to one.
     #[must_use]
     pub fn share(&self, state: usize, clip: usize) -> f32 {
@@ -180,7 +186,8 @@ impl Machine {
             self.enter(taken, facts);
         }
         self.fades.advance(dt);
-        for state in 0..self.len() {
+        for place in 0..self.live().len() {
+            let state = self.live()[place];
             if self.weight(state) > 0.0 {
                 self.steer(state, facts, self.plan.blend_half_life, dt);
             }
@@ -197,7 +204,8 @@ impl Machine {
     }
 
     fn enter(&mut self, taken: Taken, facts: &Facts<'_>) {
-        let gait_weight: f32 = (0..self.len()).filter(|i| self.is_gait(*i)).map(|i| self.weight(i)).sum();
+        let gaits = self.live().iter().filter(|state| self.is_gait(**state));
+        let gait_weight: f32 = gaits.map(|state| self.weight(*state)).sum();
         if self.weight(taken.to) < UNSEEN {
             self.clocks[taken.to] = 0.0;
             self.steer(taken.to, facts, 0.0, 1.0);
@@ -217,10 +225,11 @@ impl Machine {
 
     fn run_clocks(&mut self, facts: &Facts<'_>, dt: f32) {
         self.turn_rate = 0.0;
-        for (index, state) in self.plan.states.iter().enumerate() {
+        for &index in self.fades.live() {
             if self.fades.weight(index) <= 0.0 {
                 continue;
             }
+            let state = &self.plan.states[index];
             match state.pace {
                 Pace::Gait { .. } => {}
                 Pace::Clock => self.clocks[index] += dt,
@@ -235,9 +244,10 @@ impl Machine {
 
     fn pace(&mut self, facts: &Facts<'_>, dt: f32) {
         let (mut weights, mut duration, mut stride) = (0.0, 0.0, 0.0);
-        for (index, state) in self.plan.states.iter().enumerate() {
+        for &index in self.live() {
             let weight = if self.is_gait(index) { self.weight(index) } else { 0.0 };
             if weight > 0.0 {
+                let state = &self.plan.states[index];
                 let shares = state.own(&self.shares);
                 weights += weight;
                 duration += weight * state.duration(shares);

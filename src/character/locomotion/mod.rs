@@ -21,6 +21,7 @@ pub use machine::Machine;
 
 use super::{
     bind::CharacterAssets,
+    detail::{self, Detail, Pacing},
     motion::MotionState,
     schedule::{PoseClock, PoseSystems},
 };
@@ -41,11 +42,13 @@ const STEP: f32 = 0.5;
 pub struct Locomotion {
     /// The machine, with weights and phases.
     pub machine: Machine,
-    /// What the playing clips say of the left and right foot.
+    /// What the playing clips say of the left and right foot; kept up while more than clips pose it.
     pub cues: [FootCue; 2],
     /// The transition taken in this frame.
     pub taken: Option<Taken>,
     tracks: Arc<[Track]>,
+    /// By state: its first track; at the end, how many tracks there are.
+    firsts: Arc<[usize]>,
     /// How lively the slowest gait is, and how fast it moves a leg's joints, rad/s.
     slowest: (Liveliness, f32),
     heard: Vec<Heard>,
@@ -54,6 +57,9 @@ pub struct Locomotion {
     last_root: Option<Vec3>,
     /// `MotionState::jumps` of the last frame.
     jumps: Option<u32>,
+    /// Whether it stood on ground when it last looked, and how long ago that was, seconds.
+    grounded: bool,
+    waited: f32,
 }
 
 /// The slowest gait; nothing without gaits.
@@ -106,13 +112,14 @@ impl Locomotion {
     #[must_use]
     pub fn new(asset: &CharacterAsset, scratch: &mut Pose) -> Self {
         let config = &asset.file.locomotion;
-        let mut tracks = Vec::new();
+        let (mut tracks, mut firsts) = (Vec::new(), vec![0]);
         for (state, config) in config.states().iter().enumerate() {
             for (slot, name) in config.clips().enumerate() {
                 let Some(clip) = asset.clip_index(name) else { continue };
                 let landing = cues::landing(asset, &asset.clips()[clip], scratch);
                 tracks.push(Track { state, slot, clip, landing });
             }
+            firsts.push(tracks.len());
         }
         *scratch = Pose::rest(&asset.skeleton);
         let mut locomotion = Self {
@@ -121,11 +128,14 @@ impl Locomotion {
             taken: None,
             heard: Vec::with_capacity(tracks.len()),
             tracks: tracks.into(),
+            firsts: firsts.into(),
             slowest: slowest_gait(asset),
             triggers: Vec::new(),
             grade: 0.0,
             last_root: None,
             jumps: None,
+            grounded: true,
+            waited: 0.0,
         };
         locomotion.listen(asset);
         locomotion
@@ -141,9 +151,11 @@ impl Locomotion {
 
     /// Finds out what plays, and where it is.
     fn listen(&mut self, asset: &CharacterAsset) {
-        let Self { machine, tracks, heard, .. } = self;
+        let Self { machine, tracks, firsts, heard, .. } = self;
         heard.clear();
-        for (index, track) in tracks.iter().enumerate() {
+        let tracks_of = |state: &usize| firsts[*state]..firsts[*state + 1];
+        for index in machine.live().iter().flat_map(tracks_of) {
+            let track = &tracks[index];
             let weight = machine.weight(track.state);
             let weight = if weight > 0.0 { weight * machine.share(track.state, track.slot) } else { 0.0 };
             let Some(clip) = asset.clips().get(track.clip).filter(|_| weight > 0.0) else { continue };
@@ -239,6 +251,11 @@ fn facts_of(clip: &CharacterClip) -> ClipFacts {
 }
 
 impl Locomotion {
+    /// Whether something happened that can't wait.
+    fn must_hear(&self, motion: &MotionState) -> bool {
+        self.jumps != Some(motion.jumps) || self.grounded != motion.ground.is_some() || !self.triggers.is_empty()
+    }
+
     /// Rise over run of the root's way, or of the way ahead where that is steeper; smoothed.
     fn follow_grade(&mut self, root: Vec3, motion: &MotionState, dt: f32) {
         let last = self.last_root.replace(root).unwrap_or(root);
@@ -262,26 +279,37 @@ pub struct LocomotionPlugin;
 
 impl Plugin for LocomotionPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(FixedPostUpdate, locomote.in_set(PoseSystems::Locomote));
+        app.add_systems(
+            FixedPostUpdate,
+            (locomote.in_set(PoseSystems::Locomote), hear_feet.in_set(PoseSystems::Pace).after(detail::pace)),
+        );
     }
 }
 
 fn locomote(
     clock: Res<PoseClock>,
     assets: CharacterAssets,
-    mut characters: Query<(&super::Character, &Transform, &MotionState, &mut Locomotion)>,
+    mut characters: Query<(Entity, &super::Character, &Transform, &MotionState, &mut Locomotion, Option<&Detail>)>,
 ) {
-    let dt = clock.delta_secs();
-    characters.par_iter_mut().for_each(|(character, root, motion, mut locomotion)| {
-        let Some(asset) = assets.get(character) else { return };
+    let tick = clock.delta_secs();
+    characters.par_iter_mut().for_each(|(entity, character, root, motion, mut locomotion, detail)| {
         let locomotion = &mut *locomotion;
+        locomotion.waited += tick;
+        let rests = detail.is_some_and(|detail| !detail.posed && locomotion.waited < rest(entity, detail.glide));
+        if rests && !locomotion.must_hear(motion) {
+            locomotion.taken = None;
+            return;
+        }
+        let dt = core::mem::take(&mut locomotion.waited);
+        let Some(asset) = assets.get(character) else { return };
         locomotion.follow_grade(root.translation, motion, dt);
         let velocity = (root.rotation.inverse() * motion.ground_velocity).with_y(0.0);
+        let grounded = motion.ground.is_some();
         let facts = Facts {
             grade: locomotion.grade,
             speed: Vec2::new(motion.ground_velocity.x, motion.ground_velocity.z).length(),
             velocity: Vec2::new(velocity.x, -velocity.z),
-            grounded: motion.ground.is_some(),
+            grounded,
             air_time: motion.air_time,
             fall_speed: -motion.velocity.y,
             landing_speed: motion.landing_speed,
@@ -292,11 +320,32 @@ fn locomote(
             turned: motion.ground_yaw_rate * dt,
             triggers: &locomotion.triggers,
         };
+        locomotion.grounded = grounded;
         locomotion.taken = locomotion.machine.advance(&facts, dt);
         locomotion.triggers.clear();
         locomotion.listen(asset);
-        for foot in 0..2 {
-            locomotion.cues[foot] = cues::cue(locomotion, asset, foot);
+    });
+}
+
+/// Seconds between two looks at who isn't seen, `most` or up to a third less: not all of them look in the same tick.
+fn rest(character: Entity, most: f32) -> f32 {
+    // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.
+    most * (1.0 - (character.index_u32() as f32 * 0.618_034).fract() / 3.0)
+}
+
+/// What clips say of the feet of those that are posed by more than them.
+fn hear_feet(
+    clock: Res<PoseClock>,
+    assets: CharacterAssets,
+    mut characters: Query<(&super::Character, &mut Locomotion, Option<&Pacing>)>,
+) {
+    let dt = clock.delta_secs();
+    characters.par_iter_mut().for_each(|(character, mut locomotion, pacing)| {
+        if Pacing::whole(pacing, dt).is_none() {
+            return;
         }
+        let Some(asset) = assets.get(character) else { return };
+        let cues = [0, 1].map(|foot| cues::cue(&locomotion, asset, foot));
+        locomotion.cues = cues;
     });
 }
