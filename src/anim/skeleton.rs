@@ -187,6 +187,14 @@ impl Skeleton {
         &self.rest
     }
 
+    /// The same joints with another rest pose.
+    #[must_use]
+    pub fn with_rest(&self, change: impl FnOnce(&mut [JointTransform])) -> Self {
+        let mut other = self.clone();
+        change(&mut other.rest);
+        other
+    }
+
     /// All joints, parents first.
     pub fn joints(&self) -> impl Iterator<Item = JointIndex> + use<> {
         (0..self.names.len()).filter_map(|i| u16::try_from(i).ok()).map(JointIndex)

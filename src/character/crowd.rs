@@ -48,7 +48,16 @@ pub struct PaletteJob {
     /// where the job isn't done in blocks.
     pub part: usize,
     /// The kind of a character that clips alone pose; `None`: it has a pose.
-    pub kind: Option<AssetId<CharacterAsset>>,
+    pub kind: Option<Kind>,
+}
+
+/// Characters that blocks pose together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Kind {
+    /// Their file.
+    pub asset: AssetId<CharacterAsset>,
+    /// [`Detail::small_joints`](super::detail::Detail::small_joints).
+    pub small_joints: bool,
 }
 
 /// Memory of one thread.
@@ -71,9 +80,9 @@ pub struct Crowd<'w, 's> {
 impl Crowd<'_, '_> {
     /// The kind of `character` if clips alone pose it.
     #[must_use]
-    pub fn kind(character: &Character, pacing: Option<&Pacing>) -> Option<AssetId<CharacterAsset>> {
-        let alone = pacing.is_some_and(|pacing| pacing.mode == Mode::ClipsOnly(ClipsOnly::Alone));
-        alone.then(|| character.0.id())
+    pub fn kind(character: &Character, pacing: Option<&Pacing>) -> Option<Kind> {
+        let pacing = pacing.filter(|pacing| pacing.mode == Mode::ClipsOnly(ClipsOnly::Alone))?;
+        Some(Kind { asset: character.0.id(), small_joints: pacing.small_joints })
     }
 
     /// Writes the palettes of all `jobs` into `matrices`, on all threads; `others` writes those of characters with a pose. Jobs
@@ -117,8 +126,11 @@ impl Crowd<'_, '_> {
         jobs.sort_unstable_by_key(|job| (job.kind, if job.kind.is_some() { job.part } else { 0 }, job.first));
         let mut scratch = self.scratch.borrow_local_mut();
         for run in jobs.chunk_by(|a, b| a.kind == b.kind && (a.kind.is_none() || a.part == b.part)) {
-            let asset = run.first().and_then(|job| job.kind).and_then(|kind| self.assets.of(kind));
-            match asset.and_then(|asset| Some((asset, asset.species(run[0].part)?))) {
+            let species = |kind: Kind| {
+                let asset = self.assets.of(kind.asset)?;
+                Some((asset, asset.species(run[0].part, kind.small_joints)?))
+            };
+            match run[0].kind.and_then(species) {
                 Some(kind) => {
                     for block in run.chunks(BLOCK) {
                         self.write_block(block, kind, base, matrices, &mut scratch);

@@ -48,6 +48,11 @@ pub struct Detail {
     ///
     /// [`CharacterPose`]: super::animator::CharacterPose
     pub clips_only: bool,
+    /// Whether joints below hands, head and toes move while clips alone pose it. Default true.
+    ///
+    /// False: they are held as in the first clip of the first state, and cost nothing to sample. Change it together with
+    /// `clips_only`: by itself the change is not blended.
+    pub small_joints: bool,
     /// Whether it is posed at all. Default true.
     ///
     /// False for who isn't seen, its shadow included: its pose stands still, and jumps when it is posed again.
@@ -59,7 +64,7 @@ pub struct Detail {
 
 impl Default for Detail {
     fn default() -> Self {
-        Self { step: 0.0, feet: true, look: true, clips_only: false, posed: true, glide: 0.0 }
+        Self { step: 0.0, feet: true, look: true, clips_only: false, small_joints: true, posed: true, glide: 0.0 }
     }
 }
 
@@ -74,6 +79,8 @@ pub struct Pacing {
     pub returns: bool,
     /// Clips alone posed it until now: what was carried over from before doesn't hold.
     pub joins: bool,
+    /// [`Detail::small_joints`] of now, or of when clips alone posed it last.
+    pub small_joints: bool,
     waited: f32,
 }
 
@@ -168,6 +175,9 @@ impl Pacing {
         self.due = due.then(|| core::mem::take(&mut self.waited));
         if self.mode == Mode::ClipsOnly(ClipsOnly::Alone) {
             self.waited = 0.0;
+        }
+        if matches!(self.mode, Mode::ClipsOnly(_)) {
+            self.small_joints = detail.small_joints;
         }
         self.returns = hidden && self.mode != Mode::Hidden;
         self.joins = by_clips && !matches!(self.mode, Mode::ClipsOnly(_) | Mode::Hidden);

@@ -239,7 +239,7 @@ pub(super) fn ease(
             let direct = ease.direct && pacing.due.is_none();
             let mut scratch = scratch.borrow_local_mut();
             let passes = pacing.joins || pacing.mode == Mode::ClipsOnly(ClipsOnly::Leaves);
-            let clips = if passes { pose.clips_pose(asset, false, &mut scratch) } else { None };
+            let clips = if passes { pose.clips_pose(asset, (false, pacing.small_joints), &mut scratch) } else { None };
             ease.advance(pacing, if direct { &mut [] } else { pose.pose.locals_mut() }, clips, dt);
             if !ease.direct {
                 pose.pose.update_model(&asset.skeleton);

@@ -13,7 +13,7 @@ pub struct DetailLevels {
     /// From the largest on the screen to the smallest.
     ///
     /// Default: a fifth of the view's height or more has everything in every tick; down to a twelfth 32 poses a second; below
-    /// that clips alone, the controller looking ten times a second down to a fortieth, and five times below.
+    /// that clips alone, without fingers, the controller looking ten times a second down to a fortieth, and five times below.
     pub levels: Vec<DetailLevel>,
     /// Share of a level's size by which a character must be smaller to leave it. Default 0.15.
     ///
@@ -42,7 +42,7 @@ impl Default for DetailLevels {
     fn default() -> Self {
         let level = |size: f32, detail: Detail| DetailLevel { size, detail };
         let near = Detail { step: 1.0 / 32.0, ..default() };
-        let far = Detail { clips_only: true, glide: 0.1, ..default() };
+        let far = Detail { clips_only: true, small_joints: false, glide: 0.1, ..default() };
         let farthest = Detail { glide: 0.2, ..far };
         Self {
             levels: vec![

@@ -146,7 +146,8 @@ fn record(
             }
             let asset = assets.get(character);
             if let (true, true, Some(asset)) = (ticked.stale, pacing.joins, asset)
-                && let Some(before) = pose.clips_pose(asset, true, &mut scratch.borrow_local_mut())
+                && let Some(before) =
+                    pose.clips_pose(asset, (true, pacing.small_joints), &mut scratch.borrow_local_mut())
             {
                 ticked.begin_after(&mut pose.pose, &asset.skeleton, before, locals);
             }

@@ -16,17 +16,18 @@ use super::{
     names::{listed, suggestion},
     own_clips::{self, OwnClip},
     retarget::{Source, Target},
+    small_joints::SmallJoints,
+    species::AllSpecies,
     standard_clips,
     trunk::trunk,
     tuning::{
         foot_ik::TUNED_LEG,
         locomotion::{Pace, StateConfig},
-        motion::{BodySize, TUNED_STATURE},
         ranges::{RangeError, Ranges},
     },
 };
 use crate::anim::{
-    block::{ClipSet, Species},
+    block::ClipSet,
     clip::Clip,
     gait::Gait,
     leg::Leg,
@@ -70,8 +71,9 @@ pub struct CharacterAsset {
     /// The same clips as rows, to be blended in one pass; it watches the joints that feet hang on.
     pub rows: Arc<ClipSet>,
     actions: Vec<CharacterAction>,
-    /// By skin: all that blocks need; empty where meshes ride on joints by themselves.
-    pub(super) species: Vec<Option<Arc<Species>>>,
+    /// Joints that are held where [`Detail`](crate::character::detail::Detail) says so.
+    pub small_joints: Arc<SmallJoints>,
+    pub(super) species: AllSpecies,
 }
 
 /// A clip as this character plays it.
@@ -191,12 +193,13 @@ impl CharacterAsset {
             clips: Vec::new(),
             rows: Arc::default(),
             actions: Vec::new(),
-            species: Vec::new(),
+            small_joints: Arc::default(),
+            species: AllSpecies::default(),
             humanoid,
             file,
         };
         asset.blink_targets = blink::targets(&asset.file.blink, &asset.rig)?;
-        asset.fit_motion();
+        asset.file.fit_motion(asset.stature, asset.leg_length);
         asset.clips = asset.resolve_clips(others)?;
         asset.add_standard_clips();
         asset.complete_states()?;
@@ -232,15 +235,6 @@ impl CharacterAsset {
     fn target(&self) -> Target<'_> {
         let Self { rig, skeleton, humanoid, legs, file, .. } = self;
         Target { rig, skeleton, humanoid, legs, config: &file.retarget }
-    }
-
-    /// Brings the controller's figures to the size of this body.
-    fn fit_motion(&mut self) {
-        let size = BodySize { stature: self.stature / TUNED_STATURE, legs: self.leg_length / TUNED_LEG };
-        // Once is enough.
-        if core::mem::take(&mut self.file.fit_motion) {
-            self.file.motion = self.file.motion.fitted(size);
-        }
     }
 
     /// Clips that states and actions lack and the mannequin has.

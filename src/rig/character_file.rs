@@ -14,10 +14,10 @@ use super::{
         aim::AimConfig,
         balance::BalanceConfig,
         blink::BlinkConfig,
-        foot_ik::FootIkConfig,
+        foot_ik::{FootIkConfig, TUNED_LEG},
         locomotion::LocomotionConfig,
         look::LookConfig,
-        motion::MotionConfig,
+        motion::{BodySize, MotionConfig, TUNED_STATURE},
         ranges::{RangeError, Ranges},
         retarget::RetargetConfig,
     },
@@ -183,6 +183,14 @@ impl CharacterFile {
         let file: Self = options.from_str(text).map_err(|error| ron_error(&error))?;
         file.validate()?;
         Ok(file)
+    }
+
+    /// Brings the controller's figures to the size of a body, metres; once is enough.
+    pub(super) fn fit_motion(&mut self, stature: f32, leg_length: f32) {
+        if core::mem::take(&mut self.fit_motion) {
+            let size = BodySize { stature: stature / TUNED_STATURE, legs: leg_length / TUNED_LEG };
+            self.motion = self.motion.fitted(size);
+        }
     }
 
     /// Checks every range.

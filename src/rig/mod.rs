@@ -18,6 +18,7 @@ pub mod loader;
 mod names;
 pub mod own_clips;
 mod retarget;
+pub mod small_joints;
 mod species;
 mod standard_clips;
 mod straight;

@@ -16,6 +16,7 @@ use surefoot::{
         schedule::{PoseClock, PoseSystems},
     },
     measure::summary::Measures,
+    rig::humanoid::HumanoidRole,
     testing::{Stage, World},
 };
 
@@ -41,9 +42,9 @@ fn see_clips(
     mut crowd: Query<(&Character, &Pacing, &mut CharacterPose)>,
 ) {
     let share = clock.share(fixed.overstep_fraction());
-    for (character, _, mut pose) in crowd.iter_mut().filter(|(_, pacing, _)| pacing.mode == ALONE) {
+    for (character, pacing, mut pose) in crowd.iter_mut().filter(|(_, pacing, _)| pacing.mode == ALONE) {
         let asset = assets.get(character).expect("it is loaded");
-        assert!(pose.show_clips(asset, share), "something plays");
+        assert!(pose.show_clips(asset, pacing.small_joints, share), "something plays");
     }
 }
 
@@ -63,7 +64,10 @@ fn nothing_pops_when_clips_take_over_and_give_back() {
     let near = Detail { step: 1.0 / 32.0, ..every };
     for world in [World::flat(), World::hills()] {
         let calm = turns(&world, &[every]).pop_jump;
-        for (name, details) in [("every tick", [every, crowded()]), ("steps", [near, crowded()])] {
+        let far = Detail { small_joints: false, ..crowded() };
+        let pairs =
+            [("every tick", [every, crowded()]), ("steps", [near, crowded()]), ("without fingers", [near, far])];
+        for (name, details) in pairs {
             let changing = turns_of(&world, &details, 1.1).pop_jump;
             println!("{}: jumps {changing:.2} between {name} and clips alone, {calm:.2} in every frame", world.name);
             assert!(changing <= 2.0_f32.max(1.1 * calm), "{}: {name}: jumps by {changing:.2}", world.name);
@@ -104,8 +108,14 @@ fn block_palette(
 
 #[test]
 fn blocks_show_what_the_reference_does() {
+    for small_joints in [true, false] {
+        blocks_show_the_reference(Detail { small_joints, ..crowded() });
+    }
+}
+
+fn blocks_show_the_reference(detail: Detail) {
     let (mut stage, walker) = walker_on(&World::flat());
-    set(&mut stage, walker, crowded());
+    set(&mut stage, walker, detail);
     stage.run_for(1.5);
     let asset = stage.asset(walker).expect("it is loaded").clone();
     let skin = asset.rig.skins[0].clone();
@@ -120,6 +130,30 @@ fn blocks_show_what_the_reference_does() {
             assert!(off < 1e-4, "slot {slot} is {off} off");
         }
     }
+}
+
+#[test]
+fn held_fingers_stay_as_they_are_while_hands_move() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    set(&mut stage, walker, Detail { small_joints: false, ..crowded() });
+    stage.run_for(1.5);
+    let asset = stage.asset(walker).expect("it is loaded").clone();
+    let fingers = asset.small_joints.joints();
+    assert!(fingers.len() >= 20, "{} small joints", fingers.len());
+    let pose = |stage: &Stage| stage.get::<CharacterPose>(walker).expect("shown").pose.clone();
+    let before = pose(&stage);
+    let hand = asset.humanoid.get(HumanoidRole::LeftHand).expect("it has hands");
+    let mut moved: f32 = 0.0;
+    for _ in 0..30 {
+        stage.run_for(1.0 / 60.0);
+        let now = pose(&stage);
+        moved = moved.max(now.position(hand).distance(before.position(hand)));
+        for finger in fingers {
+            let off = now.turn(*finger).angle_between(before.turn(*finger));
+            assert!(off < 1e-3, "`{}` turns by {off}", asset.skeleton.name(*finger));
+        }
+    }
+    assert!(moved > 0.1, "the hand moves by {moved} m alone");
 }
 
 #[test]

@@ -47,13 +47,15 @@ pub struct RowSource<'a> {
     pub difference_from: Option<&'a [JointTransform]>,
     /// How exact.
     pub precision: Precision,
+    /// Joints that stay at rest whatever the clip does.
+    pub still: &'a [JointIndex],
 }
 
 impl<'a> RowSource<'a> {
     /// A clip to be played as it is.
     #[must_use]
     pub fn new(clip: &'a Clip, precision: Precision) -> Self {
-        Self { clip, difference_from: None, precision }
+        Self { clip, difference_from: None, precision, still: &[] }
     }
 }
 
@@ -123,6 +125,10 @@ impl RowSource<'_> {
         self.clip.sample_frame(skeleton, frame, out);
         for (joint, from) in out.iter_mut().zip(self.difference_from.unwrap_or_default()) {
             *joint = difference(*from, *joint);
+        }
+        for joint in self.still {
+            let rest = skeleton.rest()[joint.index()];
+            out[joint.index()] = if self.difference_from.is_some() { JointTransform::IDENTITY } else { rest };
         }
     }
 }

@@ -135,10 +135,11 @@ impl CharacterPose {
 
     /// Poses it as [blocks](super::crowd) show it, `share` of the way between the last two ticks: their readable reference, for checks.
     /// False where nothing plays.
-    pub fn show_clips(&mut self, asset: &CharacterAsset, share: f32) -> bool {
+    pub fn show_clips(&mut self, asset: &CharacterAsset, small_joints: bool, share: f32) -> bool {
         let mut plays = Vec::new();
         self.plays_between(asset, share, &mut plays);
-        let posed = asset.rows.sample(&plays, &mut LocalWorkspace::default(), self.pose.locals_mut());
+        let work = &mut LocalWorkspace::default();
+        let posed = sample_clips(asset, &plays, small_joints, work, self.pose.locals_mut());
         if posed {
             self.pose.update_model(&asset.skeleton);
         }
@@ -149,36 +150,36 @@ impl CharacterPose {
     pub(super) fn clips_pose<'a>(
         &self,
         asset: &CharacterAsset,
-        before: bool,
+        (before, small_joints): (bool, bool),
         scratch: &'a mut ClipsScratch,
     ) -> Option<&'a [JointTransform]> {
         scratch.pose.resize(asset.skeleton.len(), JointTransform::IDENTITY);
         let plays = &self.past.plays[usize::from(before)];
-        asset.rows.sample(plays, &mut scratch.work, &mut scratch.pose).then_some(&scratch.pose)
+        sample_clips(asset, plays, small_joints, &mut scratch.work, &mut scratch.pose).then_some(&scratch.pose)
     }
 
-    /// One tick of who is posed by its clips alone: notes what they play, and poses it as long as it isn't `alone`.
+    /// One tick of who is posed by its clips alone: notes what they play, and poses it as long as it isn't alone.
     fn animate_by_clips(
         &mut self,
         asset: &CharacterAsset,
         locomotion: &Locomotion,
         scratch: &mut Scratch,
-        (alone, returns): (bool, bool),
+        pacing: &Pacing,
         dt: f32,
     ) {
         scratch.spare.extend(self.inertializer.forget());
         let mut plays = core::mem::take(&mut scratch.plays);
         list(asset, locomotion, &mut plays);
-        if returns {
+        if pacing.returns {
             self.past.forget();
             self.past.push(&plays, dt);
         } else if let Some(taken) = carried_over(locomotion) {
             self.past.leave(taken.fade);
         }
         self.past.fade(&mut plays, dt);
-        if !alone {
+        if pacing.mode != Mode::ClipsOnly(ClipsOnly::Alone) {
             // Where nothing weighs anything the last pose stays.
-            let _ = asset.rows.sample(&plays, &mut scratch.work, self.pose.locals_mut());
+            sample_clips(asset, &plays, pacing.small_joints, &mut scratch.work, self.pose.locals_mut());
         }
         self.past.push(&plays, dt);
         scratch.plays = plays;
@@ -217,6 +218,21 @@ impl CharacterPose {
         }
         scratch.plays = plays;
     }
+}
+
+/// Samples what clips alone show; false where nothing plays.
+fn sample_clips(
+    asset: &CharacterAsset,
+    plays: &[Play],
+    small_joints: bool,
+    work: &mut LocalWorkspace,
+    locals: &mut [JointTransform],
+) -> bool {
+    let sampled = asset.rows.sample(plays, work, locals);
+    if sampled && !small_joints {
+        asset.small_joints.hold(locals);
+    }
+    sampled
 }
 
 /// The change of state that is to be carried over into the new one.
@@ -288,11 +304,11 @@ fn animate(
         |scratch, (character, locomotion, pacing, mut pose)| {
             let Some(asset) = assets.get(character) else { return };
             match pacing {
-                Some(&Pacing { mode: Mode::ClipsOnly(stage), returns, .. }) if stage != ClipsOnly::Leaves => {
-                    let alone = stage == ClipsOnly::Alone;
+                Some(pacing @ &Pacing { mode: Mode::ClipsOnly(stage), .. }) if stage != ClipsOnly::Leaves => {
                     // Nobody shall take the pose of who is alone for changed.
+                    let alone = stage == ClipsOnly::Alone;
                     let pose = if alone { pose.bypass_change_detection() } else { &mut *pose };
-                    pose.animate_by_clips(asset, locomotion, scratch, (alone, returns), dt);
+                    pose.animate_by_clips(asset, locomotion, scratch, pacing, dt);
                 }
                 _ => {
                     if let Some(dt) = Pacing::due(pacing, dt) {

@@ -19,7 +19,7 @@ use crate::anim::{
     skeleton::{JointIndex, Skeleton},
     skin::{JointMatrix, Skin},
 };
-use reference::{Body, Dice, body, palette};
+use reference::{Body, Dice, body, palette, posed};
 
 /// Largest difference of two palettes' numbers over their largest number.
 fn difference(got: &[JointMatrix], wanted: &[JointMatrix]) -> f32 {
@@ -64,7 +64,7 @@ proptest! {
         let reference = skeleton.rest();
         let precision = if short { Precision::Short } else { Precision::Float };
         let mut sources: Vec<_> = clips[..3].iter().map(|clip| RowSource::new(clip, Precision::Float)).collect();
-        sources.push(RowSource { clip: &clips[3], difference_from: Some(reference), precision });
+        sources.push(RowSource { difference_from: Some(reference), ..RowSource::new(&clips[3], precision) });
         let parts = SpeciesParts { skeleton, skin, limbs: &[], clips: &sources, masks: &[mask.as_slice()] };
         let species = Species::new(&parts).unwrap();
         let stacks: Vec<_> = layers.iter().map(|(own, masked, share, added, much)| [
@@ -82,6 +82,32 @@ proptest! {
                 let off = difference(got, &wanted);
                 prop_assert!(off < bar, "character {index} of {}: {off:e} off", actors.len());
             }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn still_joints_stay_at_rest_and_all_others_play(body in body(2..24, 0.4), plays in plays(), each in 1usize..4) {
+        let still: Vec<_> = body.skeleton.joints().skip(1).step_by(each).collect();
+        let sources: Vec<_> = body.clips[..3]
+            .iter()
+            .map(|clip| RowSource { still: &still, ..RowSource::new(clip, Precision::Float) })
+            .collect();
+        let parts =
+            SpeciesParts { skeleton: &body.skeleton, skin: &body.skin, limbs: &[], clips: &sources, masks: &[] };
+        let species = Species::new(&parts).unwrap();
+        let layers = [Layer { weight: 1.0, clips: &plays, ..Layer::default() }];
+        let actor = Actor { layers: &layers, ..Actor::default() };
+        let mut pose = posed(&body, &actor);
+        still.iter().for_each(|joint| pose.set_local(*joint, body.skeleton.rest()[joint.index()]));
+        pose.update_model(&body.skeleton);
+        let wanted: Vec<JointMatrix> = body.skin.palette(&pose).map(JointMatrix::from).collect();
+        for matrices in palettes(&species, &[actor]) {
+            let off = difference(&matrices, &wanted);
+            prop_assert!(off < 1e-5, "{off:e} off");
         }
     }
 }
