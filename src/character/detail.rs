@@ -5,6 +5,7 @@
 //! frame. Controller and locomotion go on in any case, the controller with fewer looks where it is told to, so everyone stays in
 //! step. What lies between poses is blended by `ease`.
 
+use avian3d::prelude::RigidBodyDisabled;
 use bevy::prelude::*;
 
 use super::{
@@ -18,7 +19,7 @@ use super::{
     intent::MoveIntent,
     locomotion::Locomotion,
     motion::Glide,
-    schedule::{PoseClock, PoseSystems},
+    schedule::{MotionSystems, PoseClock, PoseSystems},
 };
 use crate::rig::{character::CharacterAsset, tuning::locomotion::TransitionBlend};
 
@@ -57,14 +58,27 @@ pub struct Detail {
     ///
     /// False for who isn't seen, its shadow included: its pose stands still, and jumps when it is posed again.
     pub posed: bool,
+    /// Whether bodies that the physics engine moves are stopped by it. Default true.
+    ///
+    /// False: they pass through it, and it costs the engine less. Rays, casts and other characters meet it all the same.
+    pub solid: bool,
     /// Seconds for which the controller may go on without looking where it goes: see [`Glide`]; and locomotion without looking
-    /// at the controller while nobody sees the pose. Default 0.
+    /// at the controller while nobody sees the pose; then the root [hops](Glide::hops), too. Default 0.
     pub glide: f32,
 }
 
 impl Default for Detail {
     fn default() -> Self {
-        Self { step: 0.0, feet: true, look: true, clips_only: false, small_joints: true, posed: true, glide: 0.0 }
+        Self {
+            step: 0.0,
+            feet: true,
+            look: true,
+            clips_only: false,
+            small_joints: true,
+            posed: true,
+            solid: true,
+            glide: 0.0,
+        }
     }
 }
 
@@ -144,6 +158,12 @@ impl Pacing {
         pacing.is_some_and(|pacing| pacing.returns || pacing.joins)
     }
 
+    /// One more frame in which nobody sees it.
+    fn wait(&mut self, dt: f32) {
+        self.waited += dt;
+        (self.due, self.returns, self.joins) = (None, false, false);
+    }
+
     /// One frame. Of those that change together each begins its steps
     /// `stagger` of one later, 0..1, so that they aren't posed in the same frame.
     fn advance(&mut self, detail: &Detail, wish: Wish, stagger: f32, dt: f32) {
@@ -191,7 +211,26 @@ impl Plugin for DetailPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<Detail>()
             .register_type::<PoseRead>()
+            .add_systems(FixedUpdate, tell_bodies.before(MotionSystems::Move))
             .add_systems(FixedPostUpdate, pace.in_set(PoseSystems::Pace));
+    }
+}
+
+/// Goes with a [`RigidBodyDisabled`] that a [`Detail`] asked for.
+#[derive(Component)]
+struct NotSolid;
+
+fn tell_bodies(
+    mut commands: Commands,
+    mut characters: Query<(Entity, &Detail, &mut Glide, Has<NotSolid>, Has<RigidBodyDisabled>), Changed<Detail>>,
+) {
+    for (entity, detail, mut glide, by_detail, disabled) in &mut characters {
+        glide.set_if_neq(Glide { seconds: detail.glide, hops: !detail.posed });
+        if !detail.solid && !disabled {
+            commands.entity(entity).insert((RigidBodyDisabled, NotSolid));
+        } else if detail.solid && by_detail {
+            commands.entity(entity).remove::<(RigidBodyDisabled, NotSolid)>();
+        }
     }
 }
 
@@ -201,15 +240,16 @@ type Paced = (
     &'static Character,
     &'static Detail,
     &'static mut Pacing,
-    &'static mut Glide,
     &'static Ease,
     Option<&'static Locomotion>,
     (Option<&'static Actions>, Option<&'static Aiming>, &'static MoveIntent, Has<Chains>, Has<PoseRead>),
 );
 
 pub(super) fn pace(clock: Res<PoseClock>, assets: CharacterAssets, mut characters: Query<Paced>) {
-    characters.par_iter_mut().for_each(|(entity, character, detail, mut pacing, mut glide, ease, locomotion, also)| {
-        glide.set_if_neq(Glide(detail.glide));
+    characters.par_iter_mut().for_each(|(entity, character, detail, mut pacing, ease, locomotion, also)| {
+        if !detail.posed && pacing.mode == Mode::Hidden {
+            return pacing.wait(clock.delta_secs());
+        }
         // An inertialized change of state begins with the pose that it leaves; others fade by themselves.
         let taken = locomotion.and_then(|locomotion| locomotion.taken);
         let at_once = taken.is_some_and(|taken| taken.blend != TransitionBlend::CrossFade);

@@ -13,7 +13,8 @@ pub struct DetailLevels {
     /// From the largest on the screen to the smallest.
     ///
     /// Default: a fifth of the view's height or more has everything in every tick; down to a twelfth 32 poses a second; below
-    /// that clips alone, without fingers, the controller looking ten times a second down to a fortieth, and five times below.
+    /// that clips alone, without fingers, the controller looking seven times a second down to
+    /// a fortieth; below that three times, and nothing is stopped by it.
     pub levels: Vec<DetailLevel>,
     /// Share of a level's size by which a character must be smaller to leave it. Default 0.15.
     ///
@@ -23,7 +24,7 @@ pub struct DetailLevels {
     ///
     /// Small: shadows that fall into the view stand still. Large: more are posed that nobody sees.
     pub margin: f32,
-    /// [`Detail::glide`] in seconds of who is in no view. Default 0.25.
+    /// [`Detail::glide`] in seconds of who is in no view. Default 0.5.
     ///
     /// 0: who isn't seen meets everything as exactly as who is.
     pub unseen_glide: f32,
@@ -42,8 +43,8 @@ impl Default for DetailLevels {
     fn default() -> Self {
         let level = |size: f32, detail: Detail| DetailLevel { size, detail };
         let near = Detail { step: 1.0 / 32.0, ..default() };
-        let far = Detail { clips_only: true, small_joints: false, glide: 0.1, ..default() };
-        let farthest = Detail { glide: 0.2, ..far };
+        let far = Detail { clips_only: true, small_joints: false, glide: 0.15, ..default() };
+        let farthest = Detail { solid: false, glide: 0.3, ..far };
         Self {
             levels: vec![
                 level(0.2, Detail::default()),
@@ -53,7 +54,7 @@ impl Default for DetailLevels {
             ],
             hysteresis: 0.15,
             margin: 2.0,
-            unseen_glide: 0.25,
+            unseen_glide: 0.5,
         }
     }
 }
@@ -72,7 +73,7 @@ impl DetailLevels {
     /// What is done for who is in no view and had `detail` before.
     #[must_use]
     pub fn unseen(&self, detail: Detail) -> Detail {
-        Detail { posed: false, glide: self.unseen_glide, ..detail }
+        Detail { posed: false, solid: false, glide: self.unseen_glide, ..detail }
     }
 }
 

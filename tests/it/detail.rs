@@ -1,6 +1,7 @@
 //! Level of detail: who is seen small is posed less, and nobody sees it change.
 
-use bevy::prelude::*;
+use avian3d::prelude::*;
+use bevy::{ecs::system::RunSystemOnce, prelude::*};
 use surefoot::{
     anim::skin::JointMatrix,
     character::{
@@ -264,4 +265,50 @@ fn who_is_hidden_keeps_its_phase_and_place_and_stands_still() {
     };
     let off = knee(&seen, twin).distance(knee(&unseen, hidden));
     assert!(off < 0.01, "seen again for a second its foot is {off} m off that of its twin");
+}
+
+#[test]
+fn what_is_not_solid_stops_nothing_and_is_hit_by_rays_all_the_same() {
+    let reached = |detail: Detail| {
+        let (mut stage, walker) = walker_on(&World::flat());
+        stage.walk(walker, Vec3::ZERO).run_for(0.7);
+        set(&mut stage, walker, detail);
+        stage.run_for(0.2);
+        let at = stage.get::<Transform>(walker).expect("it stands").translation + Vec3::Y;
+        let ball = (
+            RigidBody::Dynamic,
+            Collider::sphere(0.1),
+            Transform::from_translation(at + Vec3::X * 2.0),
+            LinearVelocity(Vec3::NEG_X * 4.0),
+            GravityScale(0.0),
+        );
+        let ball = stage.app().world_mut().spawn(ball).id();
+        let ray = move |rays: SpatialQuery| {
+            let hit = rays.cast_ray(at + Vec3::Z * 2.0, Dir3::NEG_Z, 4.0, true, &SpatialQueryFilter::default());
+            hit.map(|hit| hit.entity)
+        };
+        let hit = stage.app().world_mut().run_system_once(ray).expect("it runs");
+        assert_eq!(hit, Some(walker), "a ray at {detail:?}");
+        stage.run_for(1.0);
+        (at - stage.get::<Transform>(ball).expect("it flies").translation).x
+    };
+    let every = Detail::default();
+    assert!(reached(every) < 0.0, "a ball flew {} m through a solid body", reached(every));
+    let passed = reached(Detail { solid: false, ..every });
+    assert!((1.5..2.5).contains(&passed), "a ball flew {passed} m beyond who isn't solid");
+}
+
+#[test]
+fn who_is_solid_again_stops_what_comes() {
+    let (mut stage, walker) = walker_on(&World::flat());
+    for solid in [false, true, false, true] {
+        set(&mut stage, walker, Detail { solid, ..default() });
+        stage.run_for(0.1);
+        let disabled = stage.get::<RigidBodyDisabled>(walker).is_some();
+        assert_eq!(disabled, !solid, "the body is out of the simulation");
+    }
+    stage.app().world_mut().entity_mut(walker).insert(RigidBodyDisabled);
+    set(&mut stage, walker, Detail { glide: 0.1, ..default() });
+    stage.run_for(0.1);
+    assert!(stage.get::<RigidBodyDisabled>(walker).is_some(), "someone else took it out");
 }

@@ -1,5 +1,7 @@
 //! What clips played in the last two poses: enough to pose them again, or to show what lies between.
 
+use smallvec::SmallVec;
+
 use crate::{anim::block::Play, math::fade::Fade, rig::character::CharacterAsset};
 
 /// Share of a pose below which a clip that goes counts for nothing.
@@ -11,7 +13,7 @@ const LARGEST_STEP: f32 = 0.25;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Past {
     /// Newest first.
-    pub(super) plays: [Vec<Play>; 2],
+    pub(super) plays: [SmallVec<[Play; 3]>; 2],
     /// Seconds between the two.
     pub(super) dt: f32,
     /// What a change of state left behind, where nothing else carries it over, and how much of the pose it still is.
@@ -21,7 +23,7 @@ pub(super) struct Past {
 
 impl Past {
     /// Takes what both poses played, to be put back; `None` before there were two.
-    pub(super) fn played(&mut self) -> Option<[Vec<Play>; 2]> {
+    pub(super) fn played(&mut self) -> Option<[SmallVec<[Play; 3]>; 2]> {
         let known = self.plays.iter().all(|plays| !plays.is_empty());
         known.then(|| core::mem::take(&mut self.plays))
     }
@@ -29,7 +31,7 @@ impl Past {
     pub(super) fn push(&mut self, plays: &[Play], dt: f32) {
         self.plays.swap(0, 1);
         self.plays[0].clear();
-        self.plays[0].extend_from_slice(plays);
+        self.plays[0].extend(plays.iter().copied());
         self.dt = dt;
     }
 

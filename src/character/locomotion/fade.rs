@@ -1,6 +1,8 @@
 //! Cross-fades between any number of states: weights that sum to one, move without jumps in value or slope, and may be
 //! sent elsewhere at any time.
 
+use smallvec::SmallVec;
+
 use crate::math::fade::Fade;
 
 /// Weights of all states of a machine.
@@ -8,9 +10,8 @@ use crate::math::fade::Fade;
 /// Each is a [`Fade`] of its own; all of them together are normalised.
 #[derive(Clone, Debug)]
 pub struct Fades {
-    ways: Vec<Way>,
-    /// States that weigh something or are on their way, in ascending order: all others are left alone.
-    live: Vec<usize>,
+    /// States that weigh something or are on their way, in ascending order: all others weigh nothing.
+    live: SmallVec<[Way; 4]>,
     /// Whether all weights have arrived.
     settled: bool,
 }
@@ -18,32 +19,38 @@ pub struct Fades {
 /// One state.
 #[derive(Clone, Copy, Debug)]
 struct Way {
+    state: u32,
     fade: Fade,
     /// Where it is now, normalised.
     weight: f32,
+    /// Seconds into its clip; for turns, at the clip's own rate.
+    clock: f32,
+}
+
+impl Way {
+    fn at(state: usize, weight: f32) -> Self {
+        Self { state: u32::try_from(state).unwrap_or(u32::MAX), fade: Fade::at(weight), weight, clock: 0.0 }
+    }
+
+    fn state(&self) -> usize {
+        self.state as usize
+    }
 }
 
 impl Fades {
     /// `count` states, all weight on `first`.
     #[must_use]
     pub fn new(count: usize, first: usize) -> Self {
-        let way = |state| if state == first { 1.0 } else { 0.0 };
-        let mut live = Vec::with_capacity(count);
-        live.extend((first < count).then_some(first));
-        Self {
-            ways: (0..count).map(way).map(|at| Way { fade: Fade::at(at), weight: at }).collect(),
-            live,
-            settled: true,
-        }
+        Self { live: (first < count).then(|| Way::at(first, 1.0)).into_iter().collect(), settled: true }
     }
 
     /// Sends all weight to `state` within `seconds`; at once for 0.
     pub fn send_to(&mut self, state: usize, seconds: f32) {
-        if let Err(place) = self.live.binary_search(&state) {
-            self.live.insert(place, state);
+        if let Err(place) = self.live.binary_search_by_key(&state, Way::state) {
+            self.live.insert(place, Way::at(state, 0.0));
         }
-        for live in &self.live {
-            self.ways[*live].fade.send_to(if *live == state { 1.0 } else { 0.0 }, seconds);
+        for way in &mut self.live {
+            way.fade.send_to(if way.state() == state { 1.0 } else { 0.0 }, seconds);
         }
         self.settled = false;
     }
@@ -53,38 +60,55 @@ impl Fades {
         if self.settled {
             return;
         }
-        let Self { ways, live, settled } = self;
         let mut total = 0.0;
-        *settled = true;
-        for state in &*live {
-            let way = &mut ways[*state];
+        for way in &mut self.live {
             way.fade.advance(dt);
             way.weight = way.fade.value();
             total += way.weight;
-            *settled &= !way.fade.is_fading();
         }
         if total > 0.0 {
-            live.iter().for_each(|state| ways[*state].weight /= total);
+            self.live.iter_mut().for_each(|way| way.weight /= total);
         }
-        live.retain(|state| ways[*state].weight > 0.0 || ways[*state].fade.is_fading());
+        self.settled = !self.is_fading();
+        self.live.retain(|way| way.weight > 0.0 || way.fade.is_fading());
     }
 
     /// Weight of `state` as of the last [`Fades::advance`], 0..=1; all sum to one.
     #[must_use]
     pub fn weight(&self, state: usize) -> f32 {
-        self.ways[state].weight
+        self.way(state).map_or(0.0, |way| way.weight)
     }
 
-    /// States that weigh something, and those on their way, in ascending order.
+    /// Seconds into the clip of `state`; 0 for one that weighs nothing.
     #[must_use]
-    pub fn live(&self) -> &[usize] {
-        &self.live
+    pub fn clock(&self, state: usize) -> f32 {
+        self.way(state).map_or(0.0, |way| way.clock)
+    }
+
+    /// Puts the clip of `state`, if that is live, so many seconds in.
+    pub fn set_clock(&mut self, state: usize, seconds: f32) {
+        self.live.iter_mut().filter(|way| way.state() == state).for_each(|way| way.clock = seconds);
+    }
+
+    /// Lets the clips of all states that weigh something go on for the seconds that `step` tells.
+    pub fn run_clocks(&mut self, mut step: impl FnMut(usize) -> f32) {
+        let heard = self.live.iter_mut().filter(|way| way.weight > 0.0);
+        heard.for_each(|way| way.clock += step(way.state as usize));
+    }
+
+    fn way(&self, state: usize) -> Option<&Way> {
+        self.live.iter().find(|way| way.state() == state)
+    }
+
+    /// States that weigh something, in ascending order.
+    pub fn heard(&self) -> impl Iterator<Item = (usize, f32)> {
+        self.live.iter().filter(|way| way.weight > 0.0).map(|way| (way.state(), way.weight))
     }
 
     /// Whether a fade is under way.
     #[must_use]
     pub fn is_fading(&self) -> bool {
-        self.live.iter().any(|state| self.ways[*state].fade.is_fading())
+        self.live.iter().any(|way| way.fade.is_fading())
     }
 }
 

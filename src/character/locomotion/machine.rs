@@ -22,8 +22,6 @@ const UNSEEN: f32 = 0.05;
 #[derive(Clone, Debug)]
 pub struct Machine {
     plan: Arc<Plan>,
-    /// By state: seconds into its clip; for turns, at the clip's own rate.
-    clocks: Vec<f32>,
     /// By state and clip: how much of the state each clip is, those of a state sum to one; and where that is going.
     shares: Vec<Spring<f32>>,
     goals: Vec<f32>,
@@ -52,7 +50,6 @@ impl Machine {
         }
         Self {
             fades: Fades::new(plan.states.len(), 0),
-            clocks: vec![0.0; plan.states.len()],
             goals: vec![0.0; shares.len()],
             shares,
             plan: Arc::new(plan),
@@ -72,7 +69,7 @@ impl Machine {
         self.fades.send_to(current, 0.0);
         self.fades.advance(0.0);
         self.current = current;
-        self.clocks[current] = other.clocks[other.current];
+        self.fades.set_clock(current, other.fades.clock(other.current));
         let (shares, old) = (self.plan.states[current].own_mut(&mut self.shares), old.own(&other.shares));
         if shares.len() == old.len() {
             shares.copy_from_slice(old);
@@ -111,23 +108,23 @@ impl Machine {
         self.fades.weight(state)
     }
 
-    /// States that may weigh something, in ascending order: all others weigh nothing.
-    #[must_use]
-    pub fn live(&self) -> &[usize] {
-        self.fades.live()
+    /// States that weigh something, in ascending order, and how much.
+    pub fn heard(&self) -> impl Iterator<Item = (usize, f32)> {
+        self.fades.heard()
     }
 
     /// How much of a state its clip number `clip` is, 0..=1; those of a state sum to one.
     #[must_use]
     pub fn share(&self, state: usize, clip: usize) -> f32 {
-        self.plan.states[state].own(&self.shares)[clip].value
+        let state = &self.plan.states[state];
+        if state.clips.len() < 2 { 1.0 } else { state.own(&self.shares)[clip].value }
     }
 
     /// Where a state's clips are, in fractions of them: the shared phase for gaits, its own clock otherwise.
     #[must_use]
     pub fn clip_phase(&self, state: usize) -> f32 {
         let State { pace, clips, .. } = &self.plan.states[state];
-        let clock = self.clocks[state];
+        let clock = self.fades.clock(state);
         let ClipFacts { duration, looping, .. } = clips.first().copied().unwrap_or_default();
         match pace {
             Pace::Gait { .. } => self.phase,
@@ -180,35 +177,26 @@ impl Machine {
         }
         let dt = dt.max(0.0);
         self.time_in_state += dt;
-        let finished = self.plan.states[self.current].is_finished(self.clocks[self.current]);
+        let finished = self.plan.states[self.current].is_finished(self.fades.clock(self.current));
         let taken = self.plan.exit(self.current, facts, Stay { seconds: self.time_in_state, finished });
         if let Some(taken) = taken {
             self.enter(taken, facts);
         }
         self.fades.advance(dt);
-        for place in 0..self.live().len() {
-            let state = self.live()[place];
-            if self.weight(state) > 0.0 {
-                self.steer(state, facts, self.plan.blend_half_life, dt);
-            }
+        let Self { plan, shares, goals, fades, .. } = self;
+        for (state, _) in fades.heard() {
+            plan.states[state].steer(shares, goals, facts.velocity, plan.blend_half_life, dt);
         }
         self.run_clocks(facts, dt);
         self.pace(facts, dt);
         taken
     }
 
-    fn steer(&mut self, state: usize, facts: &Facts<'_>, half_life: f32, dt: f32) {
-        let Self { plan, shares, goals, .. } = self;
-        let state = &plan.states[state];
-        state.steer(state.own_mut(shares), state.own_mut(goals), facts.velocity, half_life, dt);
-    }
-
     fn enter(&mut self, taken: Taken, facts: &Facts<'_>) {
-        let gaits = self.live().iter().filter(|state| self.is_gait(**state));
-        let gait_weight: f32 = gaits.map(|state| self.weight(*state)).sum();
+        let gait_weight: f32 = self.heard().filter(|(state, _)| self.is_gait(*state)).map(|(_, weight)| weight).sum();
         if self.weight(taken.to) < UNSEEN {
-            self.clocks[taken.to] = 0.0;
-            self.steer(taken.to, facts, 0.0, 1.0);
+            self.fades.set_clock(taken.to, 0.0);
+            self.plan.states[taken.to].steer(&mut self.shares, &mut self.goals, facts.velocity, 0.0, 1.0);
         }
         // A gait that is still to be seen goes on where it is.
         if let Pace::Gait { start_phase } = self.plan.states[taken.to].pace
@@ -224,35 +212,29 @@ impl Machine {
     }
 
     fn run_clocks(&mut self, facts: &Facts<'_>, dt: f32) {
-        self.turn_rate = 0.0;
-        for &index in self.fades.live() {
-            if self.fades.weight(index) <= 0.0 {
-                continue;
-            }
-            let state = &self.plan.states[index];
+        let Self { plan, shares, fades, turn_rate, .. } = self;
+        *turn_rate = 0.0;
+        fades.run_clocks(|index| {
+            let state = &plan.states[index];
             match state.pace {
-                Pace::Gait { .. } => {}
-                Pace::Clock => self.clocks[index] += dt,
+                Pace::Gait { .. } => 0.0,
+                Pace::Clock => dt,
                 Pace::Turn { angle } => {
                     let runs = facts.turned / angle;
-                    self.clocks[index] += runs * state.duration(state.own(&self.shares));
-                    self.turn_rate = if dt > 0.0 { runs.abs() / dt } else { 0.0 };
+                    *turn_rate = if dt > 0.0 { runs.abs() / dt } else { 0.0 };
+                    runs * state.duration(shares)
                 }
             }
-        }
+        });
     }
 
     fn pace(&mut self, facts: &Facts<'_>, dt: f32) {
         let (mut weights, mut duration, mut stride) = (0.0, 0.0, 0.0);
-        for &index in self.live() {
-            let weight = if self.is_gait(index) { self.weight(index) } else { 0.0 };
-            if weight > 0.0 {
-                let state = &self.plan.states[index];
-                let shares = state.own(&self.shares);
-                weights += weight;
-                duration += weight * state.duration(shares);
-                stride += weight * state.stride(shares);
-            }
+        for (index, weight) in self.heard().filter(|(index, _)| self.is_gait(*index)) {
+            let state = &self.plan.states[index];
+            weights += weight;
+            duration += weight * state.duration(&self.shares);
+            stride += weight * state.stride(&self.shares);
         }
         if weights <= 0.0 || duration <= 0.0 || stride <= 0.0 {
             self.stride_scale = 1.0;

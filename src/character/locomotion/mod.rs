@@ -13,6 +13,7 @@ mod plan;
 use std::sync::Arc;
 
 use bevy::prelude::*;
+use smallvec::SmallVec;
 
 pub use cues::FootCue;
 pub use facts::{ClipFacts, Facts, Taken};
@@ -51,7 +52,7 @@ pub struct Locomotion {
     firsts: Arc<[usize]>,
     /// How lively the slowest gait is, and how fast it moves a leg's joints, rad/s.
     slowest: (Liveliness, f32),
-    heard: Vec<Heard>,
+    heard: SmallVec<[Heard; 4]>,
     triggers: Vec<String>,
     grade: f32,
     last_root: Option<Vec3>,
@@ -83,7 +84,7 @@ struct Track {
 /// A track that plays, and where it is.
 #[derive(Clone, Copy, Debug)]
 struct Heard {
-    track: usize,
+    track: u32,
     weight: f32,
     time: f32,
     gait_phase: f32,
@@ -126,7 +127,7 @@ impl Locomotion {
             machine: Machine::new(config, |name| asset.clip(name).map(facts_of).unwrap_or_default()),
             cues: Default::default(),
             taken: None,
-            heard: Vec::with_capacity(tracks.len()),
+            heard: SmallVec::new(),
             tracks: tracks.into(),
             firsts: firsts.into(),
             slowest: slowest_gait(asset),
@@ -144,7 +145,7 @@ impl Locomotion {
     /// All clips that play now.
     pub fn playing<'a>(&'a self, asset: &'a CharacterAsset) -> impl Iterator<Item = Playing<'a>> {
         self.heard.iter().filter_map(move |&Heard { track, weight, time, gait_phase }| {
-            let Track { state, clip, landing, .. } = self.tracks[track];
+            let Track { state, clip, landing, .. } = *self.tracks.get(track as usize)?;
             Some(Playing { clip: asset.clips().get(clip)?, index: clip, state, weight, time, gait_phase, landing })
         })
     }
@@ -153,11 +154,10 @@ impl Locomotion {
     fn listen(&mut self, asset: &CharacterAsset) {
         let Self { machine, tracks, firsts, heard, .. } = self;
         heard.clear();
-        let tracks_of = |state: &usize| firsts[*state]..firsts[*state + 1];
-        for index in machine.live().iter().flat_map(tracks_of) {
+        let tracks_of = |(state, weight)| (firsts[state]..firsts[state + 1]).map(move |track| (track, weight));
+        for (index, weight) in machine.heard().flat_map(tracks_of) {
             let track = &tracks[index];
-            let weight = machine.weight(track.state);
-            let weight = if weight > 0.0 { weight * machine.share(track.state, track.slot) } else { 0.0 };
+            let weight = weight * machine.share(track.state, track.slot);
             let Some(clip) = asset.clips().get(track.clip).filter(|_| weight > 0.0) else { continue };
             let (phase, duration) = (machine.clip_phase(track.state), clip.clip.duration);
             let (time, gait_phase) = if machine.is_gait(track.state) {
@@ -165,7 +165,7 @@ impl Locomotion {
             } else {
                 (phase * duration, clip.gait.phase_at(phase * duration, duration))
             };
-            heard.push(Heard { track: index, weight, time, gait_phase });
+            heard.push(Heard { track: u32::try_from(index).unwrap_or(u32::MAX), weight, time, gait_phase });
         }
     }
 

@@ -1,6 +1,6 @@
 //! What all machines of one character file share: states, the clips and ways of each, transitions. Never changes.
 
-use bevy::math::{Vec2, ops};
+use bevy::math::Vec2;
 
 use super::{
     compass::Compass,
@@ -28,6 +28,8 @@ pub(super) struct State {
     pub(super) name: String,
     pub(super) pace: Pace,
     pub(super) clips: Vec<ClipFacts>,
+    /// Way of each clip in a cycle, ahead and to the left, metres.
+    strides: Vec<Vec2>,
     compass: Compass,
     /// Place of its first clip among those of all states.
     first: usize,
@@ -52,6 +54,7 @@ impl Plan {
                 name: config.name.clone(),
                 pace: config.pace,
                 compass: Compass::new(&clips),
+                strides: clips.iter().map(|clip| Vec2::from_angle(clip.heading) * clip.stride).collect(),
                 first: first - clips.len(),
                 clips,
             }
@@ -100,11 +103,12 @@ impl State {
         &mut of_all[self.first..self.first + self.clips.len()]
     }
 
-    /// Moves the shares of its clips toward the mixture that goes with `velocity`.
+    /// Moves the shares of its clips toward the mixture that goes with `velocity`; shares and goals are those of all states.
     pub(super) fn steer(&self, shares: &mut [Spring<f32>], goals: &mut [f32], velocity: Vec2, half_life: f32, dt: f32) {
         if self.clips.len() < 2 {
             return;
         }
+        let (shares, goals) = (self.own_mut(shares), self.own_mut(goals));
         goals.fill(0.0);
         if !self.compass.shares(velocity, |clip, share| goals[clip] += share) {
             return;
@@ -119,20 +123,22 @@ impl State {
         }
     }
 
-    /// Seconds of its clips' mixture.
+    /// Seconds of its clips' mixture; `shares` are those of all states.
     pub(super) fn duration(&self, shares: &[Spring<f32>]) -> f32 {
-        self.mean(shares, |clip| clip.duration)
+        if let [only] = &self.clips[..] {
+            return only.duration;
+        }
+        let shares = self.own(shares);
+        self.clips.iter().zip(shares).map(|(clip, share)| clip.duration * share.value).sum()
     }
 
     /// Ground that its feet cover in a cycle, metres: opposite ways cancel out.
     pub(super) fn stride(&self, shares: &[Spring<f32>]) -> f32 {
-        let along = self.mean(shares, |clip| clip.stride * ops::cos(clip.heading));
-        let across = self.mean(shares, |clip| clip.stride * ops::sin(clip.heading));
-        Vec2::new(along, across).length()
-    }
-
-    fn mean(&self, shares: &[Spring<f32>], of: impl Fn(&ClipFacts) -> f32) -> f32 {
-        self.clips.iter().zip(shares).map(|(clip, share)| of(clip) * share.value).sum()
+        if let [only] = &self.clips[..] {
+            return only.stride;
+        }
+        let shares = self.own(shares);
+        self.strides.iter().zip(shares).map(|(stride, share)| *stride * share.value).sum::<Vec2>().length()
     }
 
     /// Whether its clip has played to its end at `clock` seconds.

@@ -68,6 +68,11 @@ impl<'a> Around<'a> {
         Self { region, solids }
     }
 
+    /// Has others gather what is in `region`.
+    pub(super) fn set_region(&mut self, region: Span) {
+        self.region = region;
+    }
+
     pub(super) fn region(&self) -> Span {
         self.region
     }

@@ -39,6 +39,8 @@ pub(super) struct MotionBody {
     /// Whether the character rises by a jump of its own.
     pub(super) jumping: bool,
     pub(super) crouched: bool,
+    /// Whether the root is to be written.
+    pub(super) moved: bool,
     /// Whether the collider that others meet has to change.
     pub(super) reshaped: bool,
     /// Whether this tick put the root elsewhere instead of moving it there.
@@ -73,6 +75,7 @@ impl Default for MotionBody {
             jump: JumpMemory::default(),
             jumping: false,
             crouched: false,
+            moved: false,
             reshaped: true,
             jumped_place: false,
             // The first physics step may come after the first tick; until then nothing is met.
@@ -88,6 +91,12 @@ impl MotionBody {
     /// The root: the ground point between the feet, as shown.
     pub(super) fn root(&self) -> Vec3 {
         Vec3::new(self.position.x, self.level + self.lag.value, self.position.z)
+    }
+
+    /// Has the root written where the body is now.
+    pub(super) fn write(&mut self) {
+        self.written = Some(Written { translation: self.root(), yaw: self.yaw.value });
+        self.moved = true;
     }
 
     /// Moves everything by a world offset.

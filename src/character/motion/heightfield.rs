@@ -18,7 +18,7 @@ const SEAM: f32 = 1e-5;
 const SLACK: f32 = 1e-3;
 
 /// A box along the world's axes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Span {
     pub(super) least: Vec3,
     pub(super) most: Vec3,
@@ -29,6 +29,12 @@ impl Span {
     #[must_use]
     pub(super) fn between(a: Vec3, b: Vec3) -> Self {
         Self { least: a.min(b), most: a.max(b) }
+    }
+
+    /// The span that holds both.
+    #[must_use]
+    pub(super) fn with(self, other: Self) -> Self {
+        Self { least: self.least.min(other.least), most: self.most.max(other.most) }
     }
 
     /// Whether all of `other` lies within.

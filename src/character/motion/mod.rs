@@ -52,6 +52,7 @@ use body::MotionBody;
 use capsule::MotionShapes;
 pub(in crate::character) use field::{FieldGround, UprightField};
 pub use glide::Glide;
+use heightfield::Span;
 use space::{Space, View};
 use speed::limit_strafe;
 use tick::Tick;
@@ -192,17 +193,24 @@ fn move_characters(
             if let Some(facing) = intent.facing {
                 intent.velocity = limit_strafe(intent.velocity, facing, config.sprint_speed, config.strafe_speed);
             }
-            let solids = recycled(core::mem::take(&mut **memory));
-            let around = Around::new(region(&body, shapes, &intent, dt), solids);
+            let around = Around::new(Span::default(), recycled(core::mem::take(&mut **memory)));
+            let caught_up;
             let mut tick = Tick { view: View { space, me, filter, around }, config, shapes, intent, transform, dt };
-            let seconds = glide.map_or(0.0, |glide| glide.0);
-            if seconds <= 0.0 || !tick.glides(&mut body, &mut state) {
-                tick.view.look_around();
+            let Glide { seconds, hops } = glide.copied().unwrap_or_default();
+            if seconds > 0.0 && tick.may_glide(&body) {
+                tick.glide(&mut body, &mut state, hops);
+            } else {
+                if let Some(root) = tick.catch_up(&mut body, &mut state) {
+                    caught_up = root;
+                    tick.transform = &caught_up;
+                }
+                let span = region(&body, shapes, &tick.intent, dt).with(tick.span_ahead(&body, seconds));
+                tick.view.look_around(span);
                 let before = body.velocity;
                 tick.run(&mut body, &mut state);
                 // Neighbours look at different times.
                 let share = 0.75 + 0.25 * (me.index_u32() as f32 * 0.618_034).fract();
-                body.line = tick.line_ahead(&body, before, seconds * share);
+                body.line = tick.line_ahead(&body, before, (seconds * share, hops));
             }
             **memory = tick.view.around.into_memory();
         },

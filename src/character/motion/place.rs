@@ -28,7 +28,10 @@ pub(super) fn build_shapes(
 
 /// Stops the easing of roots that someone moved since the last frame, before the easing puts them back.
 pub(super) fn heed_moved_roots(
-    mut characters: Query<(&MotionBody, &Transform, &mut TranslationEasingState, &mut RotationEasingState)>,
+    mut characters: Query<
+        (&MotionBody, &Transform, &mut TranslationEasingState, &mut RotationEasingState),
+        Changed<Transform>,
+    >,
 ) {
     characters.par_iter_mut().for_each(|(body, transform, mut translation, mut rotation)| {
         // What is not finite is left to the easing, which puts the last place back.
@@ -40,7 +43,7 @@ pub(super) fn heed_moved_roots(
 }
 
 /// Remembers what the frame shows.
-pub(super) fn remember_shown_roots(mut characters: Query<(&mut MotionBody, &Transform)>) {
+pub(super) fn remember_shown_roots(mut characters: Query<(&mut MotionBody, &Transform), Changed<Transform>>) {
     characters.par_iter_mut().for_each(|(mut body, transform)| body.shown = Some(*transform));
 }
 
@@ -70,6 +73,9 @@ pub(super) fn place_roots(
             mut collider,
             mut easing,
         ) = parts;
+        if !core::mem::take(&mut body.moved) && !body.reshaped {
+            return;
+        }
         if body.jumped_place {
             // Shown where it is now, not on a way there.
             easing.start = None;

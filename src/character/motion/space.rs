@@ -130,8 +130,9 @@ impl<'a> Space<'a, 'a> {
 }
 
 impl View<'_> {
-    /// Gathers what is near.
-    pub(super) fn look_around(&mut self) {
+    /// Gathers what is in `span`.
+    pub(super) fn look_around(&mut self, span: Span) {
+        self.around.set_region(span);
         self.space.gather(self.me, &self.filter, &mut self.around);
     }
 

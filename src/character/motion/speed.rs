@@ -2,7 +2,7 @@
 
 use bevy::math::{Vec2, Vec3, ops};
 
-use crate::math::rotation::direction_or;
+use crate::{math::rotation::direction_or, rig::tuning::motion::MotionConfig};
 
 /// How fast velocity may change, m/s².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +13,12 @@ pub(super) struct SpeedRates {
     pub(super) brake: f32,
     /// While the wanted velocity points backward.
     pub(super) reverse: f32,
+}
+
+/// How fast a body's velocity may change.
+#[must_use]
+pub(super) fn speed_rates(config: &MotionConfig) -> SpeedRates {
+    SpeedRates { accelerate: config.acceleration, brake: config.braking, reverse: config.reversal }
 }
 
 /// `current` moved straight toward `wanted` for `dt` seconds; never beyond it.

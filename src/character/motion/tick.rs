@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use super::{
     MotionState,
     ahead::{StrideAhead, TURNING_SPEED, stride_ahead},
-    body::{Anchor, MotionBody, Push, Written},
+    body::{Anchor, MotionBody, Push},
     capsule::MotionShapes,
     fly::{air_velocity, fly},
     footing::{Footing, Look, Support, footing},
@@ -16,7 +16,7 @@ use super::{
     slide::Slider,
     slope::{limit_cos, rise_along, walkable},
     space::View,
-    speed::{SpeedRates, approach_velocity, slowed_by_grade},
+    speed::{approach_velocity, slowed_by_grade, speed_rates},
     turn::{TurnRates, brakes_first, turn_toward, way_round},
     walk::walk,
 };
@@ -66,7 +66,7 @@ impl Tick<'_> {
         self.ride(body);
         self.choose_posture(body);
         self.get_unstuck(body, state);
-        self.turn(body, state);
+        self.turn(body, state, self.dt);
         let travelled = self.travel(body, state);
         state.stepped += follow_ground(body, travelled, self.config, self.dt);
         self.board(body, travelled.before.is_none());
@@ -74,7 +74,7 @@ impl Tick<'_> {
         report(body, state, self.dt);
         body.ahead = self.grade_ahead(body);
         state.grade_ahead = body.ahead;
-        body.written = Some(Written { translation: body.root(), yaw: body.yaw.value });
+        body.write();
     }
 
     /// The shape that the body's next sweep is made with.
@@ -208,7 +208,7 @@ impl Tick<'_> {
         above.map_or(Vec3::ZERO, |above| Vec3::Y * (above.height + 0.01 - at.y))
     }
 
-    pub(super) fn turn(&self, body: &mut MotionBody, state: &mut MotionState) {
+    pub(super) fn turn(&self, body: &mut MotionBody, state: &mut MotionState, dt: f32) {
         let (intent, config) = (&self.intent, self.config);
         let wanted = intent.facing.unwrap_or(intent.velocity);
         let flat = Vec3::new(wanted.x, 0.0, wanted.z);
@@ -220,8 +220,8 @@ impl Tick<'_> {
         let brakes = if intent.facing.is_none() { brakes_first(away, config.walk_speed) } else { 1.0 };
         let most = most * brakes;
         let rates = TurnRates { half_life: config.turn_half_life, most, gain: config.turn_acceleration };
-        let yaw = turn_toward(body.yaw, goal, rates, self.dt);
-        state.ground_yaw_rate = wrap_angle(yaw.value - body.yaw.value) / self.dt;
+        let yaw = turn_toward(body.yaw, goal, rates, dt);
+        state.ground_yaw_rate = wrap_angle(yaw.value - body.yaw.value) / dt;
         state.turn_ahead = way_round(yaw, goal);
         state.facing_locked = intent.facing.is_some();
         body.yaw = yaw;
@@ -265,15 +265,18 @@ impl Tick<'_> {
         Travelled { before, way: body.position - from }
     }
 
+    /// What it shall go at on this grade.
+    pub(super) fn wanted_velocity(&self, body: &MotionBody) -> Vec3 {
+        slowed_by_grade(self.intent.velocity, self.config.walk_speed, body.grade, self.config.climb_slowing)
+    }
+
     fn walk(&self, body: &mut MotionBody, slider: &mut Slider) {
         let config = self.config;
-        let rates = SpeedRates { accelerate: config.acceleration, brake: config.braking, reverse: config.reversal };
         let rise =
             body.support.map_or(0.0, |support| rise_along(support.normal, direction_or(body.velocity, Vec3::ZERO)));
         let steeper = if rise.abs() > body.ahead.abs() { rise } else { body.ahead };
         body.grade = damp(body.grade, steeper, GRADE_HALF_LIFE, self.dt);
-        let wanted = slowed_by_grade(self.intent.velocity, config.walk_speed, body.grade, config.climb_slowing);
-        let velocity = approach_velocity(body.velocity, wanted, rates, self.dt);
+        let velocity = approach_velocity(body.velocity, self.wanted_velocity(body), speed_rates(config), self.dt);
         let way = (body.velocity + velocity) * 0.5 * self.dt;
         slider.velocity = velocity + body.frame_velocity;
         let walked = walk(slider, body, self.shapes, self.shapes.posture(body.crouched), way);
