@@ -48,7 +48,7 @@ pub(crate) enum Viewer {
 
 /// Skinning matrices of everyone.
 #[derive(Resource, Default)]
-struct Palettes(Vec<JointMatrix>);
+pub(crate) struct Palettes(pub(crate) Vec<JointMatrix>);
 
 #[derive(Resource)]
 struct Skin(Handle<Rig>);

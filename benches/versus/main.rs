@@ -13,16 +13,19 @@ mod mannequins;
 mod ours;
 mod watch;
 
-use surefoot::anim::block::{Precision, Until, Workspace};
+use surefoot::anim::{
+    block::{Precision, Until, Workspace},
+    skin::JointMatrix,
+};
 
 use body::Body;
 #[cfg(feature = "render")]
 use built_in::{BuiltIn, Part};
-use mannequins::{Mannequins, Viewer};
+use mannequins::{Mannequins, Palettes, Viewer};
 use ours::{Ours, workspace};
 #[cfg(feature = "render")]
 use watch::thread_time;
-use watch::{allocations, median, time, wall_time};
+use watch::{allocations, bytes_in_use, median, time, wall_time};
 
 /// Characters of each row.
 const COUNTS: [usize; 4] = [1, 100, 1_000, 10_000];
@@ -58,6 +61,7 @@ fn main() {
     cores(&ours);
     shorts(&body);
     heap(&ours);
+    memory();
     let full = |rows: &[Row]| rows.iter().find(|row| row.stage == "full").map_or(f64::NAN, |row| row.ours);
     if let [_, (_, hundred), _, (_, ten_thousand)] = &table[..] {
         println!("from N = 100 to 10,000 a character costs {:.2} times as much", full(ten_thousand) / full(hundred));
@@ -156,6 +160,20 @@ fn heap(ours: &Ours) {
     let full = taken(&mut || ours.frame(&mut crowd, &mut work, Until::Written));
     let [few, many] = mannequins.each_mut().map(|crowd| taken(&mut || crowd.frame()));
     println!("heap allocations in ten frames: full, N = 1,000: {full}; frame, N = 10: {few}, N = 1,000: {many}");
+}
+
+/// What the app takes for a mannequin, physics and the engine's own records included.
+fn memory() {
+    let [few, many] = [24, 1_024].map(|count| {
+        let before = bytes_in_use();
+        let crowd = Mannequins::new(count, Viewer::None, 1, |_| ());
+        let palettes = crowd.app.world().resource::<Palettes>().0.capacity() * size_of::<JointMatrix>();
+        bytes_in_use() - before - palettes
+    });
+    println!(
+        "memory: {} bytes a mannequin beyond its palette, physics and the engine's records included",
+        (many - few) / 1_000
+    );
 }
 
 /// The engine's side: with one clip, and with two.

@@ -10,6 +10,8 @@ use std::{
 };
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+/// Taken and not given back.
+static BYTES: AtomicUsize = AtomicUsize::new(0);
 
 /// The system's allocator, counted.
 struct Counting;
@@ -19,11 +21,13 @@ struct Counting;
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        BYTES.fetch_add(layout.size(), Ordering::Relaxed);
         // SAFETY: the caller's promises go on.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        BYTES.fetch_sub(layout.size(), Ordering::Relaxed);
         // SAFETY: the caller's promises go on.
         unsafe { System.dealloc(pointer, layout) }
     }
@@ -35,6 +39,11 @@ static COUNTING: Counting = Counting;
 /// Heap allocations so far.
 pub(crate) fn allocations() -> usize {
     ALLOCATIONS.load(Ordering::Relaxed)
+}
+
+/// Bytes of the heap in use.
+pub(crate) fn bytes_in_use() -> usize {
+    BYTES.load(Ordering::Relaxed)
 }
 
 /// Nanoseconds that all threads of this process have run: other programs on the machine don't count.
