@@ -56,6 +56,8 @@
 //!
 //! A [`Detail`](character::detail::Detail) says how often and how thoroughly a character is posed, and how seldom its controller
 //! looks where it goes. What lies between poses is blended, feet and gaze fade, and who is hidden keeps its place and its phase.
+//! Who is far enough is posed by its clips alone (`clips_only`), together with all others of its kind, ten times as cheap; put a
+//! [`PoseRead`](character::crowd::PoseRead) on those whose [`CharacterPose`](character::animator::CharacterPose) you read in any case.
 //! With the feature `render` a `ScreenDetail` sets it by the character's size on the screen, as the resource
 //! [`DetailLevels`](character::levels::DetailLevels) says. The player's own character has neither. Frames that a crowd fills are
 //! posed once each by [`PoseClock::at_most(1)`](character::schedule::PoseClock::at_most); on few cores Bevy keeps one thread
@@ -66,7 +68,7 @@
 //! use surefoot::character::{Character, detail::Detail};
 //!
 //! fn spawn_passer_by(mut commands: Commands, assets: Res<AssetServer>) {
-//!     let far = Detail { step: 1.0 / 32.0, feet: false, look: false, glide: 0.1, ..default() };
+//!     let far = Detail { clips_only: true, small_joints: false, glide: 0.1, ..default() };
 //!     commands.spawn((Character(assets.load("mannequin.character.ron")), far));
 //! }
 //! # bevy::ecs::system::assert_is_system(spawn_passer_by);
