@@ -167,7 +167,7 @@ impl CharacterPose {
         pacing: &Pacing,
         dt: f32,
     ) {
-        scratch.spare.extend(self.inertializer.forget());
+        scratch.put_by(self.inertializer.forget());
         let mut plays = core::mem::take(&mut scratch.plays);
         list(asset, locomotion, &mut plays);
         if pacing.returns {
@@ -208,7 +208,7 @@ impl CharacterPose {
         });
         if played.is_some() {
             self.inertializer.record(self.pose.locals());
-            scratch.spare.extend(self.inertializer.rest());
+            scratch.put_by(self.inertializer.rest());
             if joins {
                 // What clips alone would have played on.
                 self.past.fade(&mut plays, dt);
@@ -265,6 +265,15 @@ struct Scratch {
     work: LocalWorkspace,
     /// Given back by those who ease no longer.
     spare: Vec<Offsets>,
+}
+
+/// Most of what is given back that a thread keeps: a crowd that starts at once shall not hold its memory for good.
+const SPARE: usize = 32;
+
+impl Scratch {
+    fn put_by(&mut self, memory: Option<Offsets>) {
+        self.spare.extend(memory.filter(|_| self.spare.len() < SPARE));
+    }
 }
 
 /// Samples and blends clips, lays actions over them, leans the body and shuts the eyes now and then.
