@@ -235,6 +235,7 @@ pub(super) fn act(
             let Some(asset) = assets.get(character).filter(|_| !actions.is_idle()) else { return };
             let Some(dt) = Pacing::whole(pacing, dt) else { return };
             actions.advance(asset, dt);
+            pose.set_legs(asset);
             actions.apply(asset, pose.pose.locals_mut(), sampled);
             pose.pose.update_model_of(&asset.skeleton, &asset.trunk);
         },

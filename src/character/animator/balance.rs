@@ -6,10 +6,9 @@
 use bevy::{math::ops, prelude::*};
 
 use crate::{
-    anim::pose::Pose,
     character::{
-        Character, animator::CharacterPose, bind::CharacterAssets, detail::Pacing, legs::keeping_feet,
-        locomotion::Locomotion, motion::MotionState, schedule::PoseClock,
+        Character, animator::CharacterPose, bind::CharacterAssets, detail::Pacing, locomotion::Locomotion,
+        motion::MotionState, schedule::PoseClock,
     },
     math::{
         rotation::{direction_or, from_scaled_axis},
@@ -99,12 +98,12 @@ fn soft_limit(value: f32, most: f32) -> f32 {
 }
 
 /// Leans the pose; the feet stay where they are.
-fn apply(balance: &Balance, pose: &mut Pose, asset: &CharacterAsset, config: &BalanceConfig) {
+fn apply(balance: &Balance, pose: &mut CharacterPose, asset: &CharacterAsset, config: &BalanceConfig) {
     if balance.lean.length() < NOTHING && balance.stoop.length() < NOTHING {
         return;
     }
     let skeleton = &*asset.skeleton;
-    keeping_feet(pose, skeleton, &asset.legs, |pose| {
+    pose.keep_feet(asset, |pose| {
         let from_ankles = from_scaled_axis(balance.lean * config.from_ankles);
         let hips = pose.position(asset.hips);
         pose.shift_local(skeleton, asset.hips, from_ankles * hips - hips);
@@ -140,7 +139,7 @@ pub(super) fn keep_balance(
         }
         balance.feel(motion, root.rotation, locomotion.grade(), config, dt);
         if config.enabled {
-            apply(&balance, &mut pose.pose, asset, config);
+            apply(&balance, &mut pose, asset, config);
         }
     });
 }

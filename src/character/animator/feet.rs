@@ -6,14 +6,11 @@
 
 use bevy::{math::Vec3A, prelude::*};
 
-use crate::{
-    anim::{
-        blend::Accumulator,
-        leg::Leg,
-        pose::{Pose, rotation_of},
-        skeleton::{JointTransform, Skeleton},
-    },
-    character::legs::{CLIP_EXTENSION, LegJoints, place_leg},
+use crate::anim::{
+    blend::Accumulator,
+    leg::Leg,
+    pose::rotation_of,
+    skeleton::{JointTransform, Skeleton},
 };
 
 /// Left and right ankle joint in model space.
@@ -31,15 +28,9 @@ impl BlendedFeet {
         Accumulator::new(&mut self.ankles)
     }
 
-    /// Shifts and turns the feet of `pose` by what lies between `blended`, where the blended joints alone put them, and
-    /// where they are wanted.
-    pub(super) fn correct(&self, pose: &mut Pose, skeleton: &Skeleton, legs: &[Leg; 2], blended: &Ankles) {
-        for ((leg, wanted), blended) in legs.iter().zip(&self.ankles).zip(blended) {
-            let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
-            let ankle = pose.position(leg.foot) + wanted.translation - blended.translation;
-            let rotation = wanted.rotation * blended.rotation.inverse() * pose.rotation(leg.foot);
-            place_leg(pose, skeleton, joints, ankle, rotation, Vec3::NEG_Z, CLIP_EXTENSION);
-        }
+    /// Where they shall be: what was added.
+    pub(super) fn ankles(&self) -> Ankles {
+        self.ankles
     }
 }
 
@@ -63,6 +54,7 @@ pub(super) fn ankles(locals: &[JointTransform], skeleton: &Skeleton, legs: &[Leg
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::anim::pose::Pose;
 
     #[test]
     fn ankles_found_alone_are_those_of_the_whole_pose() {

@@ -6,6 +6,7 @@ mod actions;
 mod balance;
 mod blink;
 mod feet;
+mod lead;
 mod morphs;
 mod past;
 
@@ -50,6 +51,8 @@ pub struct CharacterPose {
     inertializer: Inertializer,
     past: Past,
     feet: BlendedFeet,
+    /// Whether feet are where they shall be in model space, and legs aren't set onto them yet.
+    feet_lead: bool,
 }
 
 impl CharacterPose {
@@ -62,6 +65,7 @@ impl CharacterPose {
     /// The pose of what plays, without a past.
     pub(super) fn begin(&mut self, asset: &CharacterAsset, locomotion: &Locomotion) {
         self.animate(asset, locomotion, &mut Scratch::default(), false, 0.0);
+        self.set_legs(asset);
         self.pose.update_model(&asset.skeleton);
     }
 
@@ -91,7 +95,8 @@ impl CharacterPose {
         Some((whole || blend.finish()) && feet.finish())
     }
 
-    /// The pose of `plays` and what `ease` makes of it; legs and spine are brought into model space. Nothing where nothing plays.
+    /// The pose of `plays` and what `ease` makes of it; legs and spine are brought into model space, feet may lead their legs.
+    /// Nothing where nothing plays.
     fn play(
         &mut self,
         asset: &CharacterAsset,
@@ -102,6 +107,7 @@ impl CharacterPose {
         let corrects = self.sample(asset, plays, scratch)?;
         let blended = corrects.then(|| feet::ankles(self.pose.locals(), &asset.skeleton, &asset.legs));
         let eases = ease(&mut self.inertializer, self.pose.locals_mut());
+        self.feet_lead = false;
         self.pose.update_model_of(&asset.skeleton, &asset.trunk);
         if eases {
             for leg in &asset.legs {
@@ -109,7 +115,11 @@ impl CharacterPose {
             }
         }
         if let Some(blended) = blended {
-            self.feet.correct(&mut self.pose, &asset.skeleton, &asset.legs, &blended);
+            let wanted = self.feet.ankles();
+            for ((leg, wanted), blended) in asset.legs.iter().zip(wanted).zip(blended) {
+                let ankle = self.pose.position(leg.foot) + wanted.translation - blended.translation;
+                self.lead_foot(leg, wanted.rotation * blended.rotation.inverse(), ankle);
+            }
         }
         Some(())
     }
@@ -119,9 +129,11 @@ impl CharacterPose {
         let Some([last, before]) = self.past.played() else { return };
         let mut memory = scratch.spare.pop().unwrap_or_default();
         if self.play(asset, &before, scratch, |_, _| false).is_some() {
+            self.set_legs(asset);
             memory.set_before(self.pose.locals());
         }
         if self.play(asset, &last, scratch, |_, _| false).is_some() {
+            self.set_legs(asset);
             memory.set_last(self.pose.locals());
         }
         self.past.plays = [last, before];
@@ -207,7 +219,10 @@ impl CharacterPose {
             inertializer.apply(locals, dt)
         });
         if played.is_some() {
-            self.inertializer.record(self.pose.locals());
+            if self.inertializer.remembers() {
+                self.set_legs(asset);
+                self.inertializer.record(self.pose.locals());
+            }
             scratch.put_by(self.inertializer.rest());
             if joins {
                 // What clips alone would have played on.
@@ -296,6 +311,7 @@ impl Plugin for AnimatorPlugin {
 fn complete(assets: CharacterAssets, mut characters: Query<(&Character, Option<&Pacing>, &mut CharacterPose)>) {
     characters.par_iter_mut().for_each(|(character, pacing, mut pose)| {
         if let Some(asset) = assets.get(character).filter(|_| Pacing::due(pacing, 0.0).is_some()) {
+            pose.set_legs(asset);
             pose.pose.update_model(&asset.skeleton);
         }
     });

@@ -11,6 +11,7 @@ use crate::character::{
 impl FootIk {
     /// Leaves the pose as it is, and keeps up with it.
     pub(super) fn fly_free(&mut self, body: &Body<'_>, pose: &mut CharacterPose, animated: &[AnimatedFoot; 2]) {
+        pose.set_legs(body.asset);
         self.pelvis.fly_free(body.hips(pose), body.dt);
         self.follow_clips(body, pose, animated);
     }
@@ -23,6 +24,7 @@ impl FootIk {
         animated: &[AnimatedFoot; 2],
         ground: f32,
     ) {
+        pose.set_legs(body.asset);
         let offset = self.pelvis.fall_on(body.hips(pose), ground, body.asset.leg_length, body.dt);
         let asset = body.asset;
         keeping_feet(&mut pose.pose, &asset.skeleton, &asset.legs, |pose| {

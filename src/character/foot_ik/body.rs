@@ -263,17 +263,20 @@ impl Body<'_> {
         };
         let lifted = foot.heel.max(foot.toes_down * weight);
         let lift = if lifted > 0.0 { heel_turn(forward, lifted) } else { Quat::IDENTITY };
-        let rotation = lift * turn_model * turns.foot;
+        // A foot that leads its leg isn't turned as the leg carries it.
+        let foot_turn = if pose.feet_lead() { pose.pose.rotation(leg.foot) } else { turns.foot };
+        let rotation = lift * turn_model * foot_turn;
         if let Some(toes) = leg.toes.filter(|_| lifted > 0.0) {
-            turn_toes(&mut pose.pose, &self.asset.skeleton, (leg.foot, toes), (turns.foot, rotation), turn_model);
+            turn_toes(&mut pose.pose, &self.asset.skeleton, (leg.foot, toes), (foot_turn, rotation), turn_model);
         }
+        let end = pose.carried_ankle(&self.asset.skeleton, leg);
         let target = not_folded(hip, ball + lift * (ankle - ball), leg.length());
         place_limb(
             &mut pose.pose,
             &self.asset.skeleton,
             joints,
             &turns,
-            &Limb { root: hip, middle: knee, end: clip_ankle, pole: Vec3::NEG_Z },
+            &Limb { root: hip, middle: knee, end, pole: Vec3::NEG_Z },
             (target, rotation),
             Extension { soft, hard: config.extension.1 },
         )

@@ -244,6 +244,7 @@ impl FootIk {
             let aim = LegAim { placed: &placed[side], weight: self.weight, hurry, probe };
             self.legs[side] = body.solve_leg(pose, side, &mut self.feet[side], &aim);
         }
+        pose.legs_follow();
     }
 
     /// Feet as the clips have them.
@@ -293,6 +294,9 @@ impl FootIk {
         };
         let offset = self.pelvis.advance(&legs, ride, &frame);
         if offset.abs() > 1e-6 {
+            if !body.asset.skeleton.is_whole_branch(body.asset.hips) {
+                pose.set_legs(body.asset);
+            }
             pose.pose.shift_model(&body.asset.skeleton, body.asset.hips, Vec3::Y * offset);
         }
     }

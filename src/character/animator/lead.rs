@@ -1,0 +1,108 @@
+//! Feet that lead their legs: several stages of a tick put feet somewhere, legs are set onto them once.
+//!
+//! Each stage moves the model matrices of ankles and toes alone; hips and knees stay as the joints above carry them, until
+//! foot IK, or else the `Model` stage, turns the legs. Model space, metres.
+
+use bevy::{
+    math::{Affine3A, Mat3A, Vec3A},
+    prelude::*,
+};
+
+use super::CharacterPose;
+use crate::{
+    anim::{
+        ik::two_bone::{Limb, soften},
+        leg::Leg,
+        pose::Pose,
+        skeleton::{JointIndex, Skeleton},
+    },
+    character::legs::{CLIP_EXTENSION, LegJoints, LegTurns, place_limb},
+    rig::character::CharacterAsset,
+};
+
+impl CharacterPose {
+    /// Whether model matrices of ankles and toes are where the feet shall be, and the legs aren't yet.
+    pub(in crate::character) fn feet_lead(&self) -> bool {
+        self.feet_lead
+    }
+
+    /// All legs are set onto their feet.
+    pub(in crate::character) fn legs_follow(&mut self) {
+        self.feet_lead = false;
+    }
+
+    /// Where the leg, as its joints are turned, has its ankle.
+    pub(in crate::character) fn carried_ankle(&self, skeleton: &Skeleton, leg: &Leg) -> Vec3 {
+        match skeleton.parent(leg.foot).filter(|_| self.feet_lead) {
+            Some(above) => self.pose.models()[above.index()].transform_point3(self.pose.local(leg.foot).translation),
+            None => self.pose.position(leg.foot),
+        }
+    }
+
+    /// Sets the legs onto feet that lead them.
+    pub(in crate::character) fn set_legs(&mut self, asset: &CharacterAsset) {
+        if !self.feet_lead {
+            return;
+        }
+        for leg in &asset.legs {
+            let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
+            let turns = LegTurns::of(&self.pose, &asset.skeleton, joints);
+            let limb = Limb {
+                root: self.pose.position(leg.upper),
+                middle: self.pose.position(leg.lower),
+                end: self.carried_ankle(&asset.skeleton, leg),
+                pole: Vec3::NEG_Z,
+            };
+            let goal = (self.pose.position(leg.foot), self.pose.rotation(leg.foot));
+            place_limb(&mut self.pose, &asset.skeleton, joints, &turns, &limb, goal, CLIP_EXTENSION);
+        }
+        self.feet_lead = false;
+    }
+
+    /// Changes the pose above its feet, which stay where they are and lead their legs from now on.
+    pub(in crate::character) fn keep_feet(&mut self, asset: &CharacterAsset, change: impl FnOnce(&mut Pose)) {
+        let feet = asset.legs.each_ref().map(|leg| joints(leg).map(|joint| self.pose.models()[joint.index()]));
+        change(&mut self.pose);
+        for (leg, feet) in asset.legs.iter().zip(feet) {
+            for (joint, model) in joints(leg).into_iter().zip(feet) {
+                self.pose.models_mut()[joint.index()] = model;
+            }
+            self.keep_within_reach(leg);
+        }
+        self.feet_lead = true;
+    }
+
+    /// Turns a foot by `turn` and puts its ankle to `ankle`; it leads its leg from now on.
+    pub(super) fn lead_foot(&mut self, leg: &Leg, turn: Quat, ankle: Vec3) {
+        let (turn, from) = (Mat3A::from_quat(turn), self.pose.position(leg.foot));
+        let moved = |model: Affine3A| Affine3A {
+            matrix3: turn * model.matrix3,
+            translation: (ankle + Vec3::from(turn * (model.translation - Vec3A::from(from)))).into(),
+        };
+        let models = self.pose.models_mut();
+        let foot = moved(models[leg.foot.index()]);
+        if let Some(toes) = leg.toes {
+            models[toes.index()] = moved(models[toes.index()]);
+        }
+        models[leg.foot.index()] = foot;
+        self.keep_within_reach(leg);
+        self.feet_lead = true;
+    }
+
+    /// Brings a foot that leads so near that its leg reaches it.
+    fn keep_within_reach(&mut self, leg: &Leg) {
+        let out = self.pose.position(leg.foot) - self.pose.position(leg.upper);
+        let (distance, length) = (out.length(), leg.length());
+        if distance > CLIP_EXTENSION.soft * length {
+            let back = out * (soften(distance, length, CLIP_EXTENSION) / distance - 1.0);
+            for joint in leg.toes.into_iter().chain([leg.foot]) {
+                self.pose.models_mut()[joint.index()].translation += Vec3A::from(back);
+            }
+        }
+    }
+}
+
+/// Ankle and toes; the ankle again where there are no toes.
+fn joints(leg: &Leg) -> [JointIndex; 2] {
+    [leg.foot, leg.toes.unwrap_or(leg.foot)]
+}
