@@ -199,7 +199,8 @@ fn palettes(
     jobs.extend(poses.iter().enumerate().filter_map(|(index, (entity, character, pacing, pose))| {
         let kind = Crowd::kind(character, pacing);
         let job = PaletteJob { first: index * len, len, character: entity, part: 0, kind };
-        (kind.is_some() || pose.is_changed()).then_some(job)
+        let shown_anew = kind.is_some() && pacing.is_some_and(|pacing| crowd.is_due(entity, pacing));
+        (shown_anew || pose.is_changed()).then_some(job)
     }));
     crowd.write(&mut jobs, &mut palettes.0, |job, out| {
         if let Ok((_, _, _, pose)) = poses.get(job.character) {

@@ -9,7 +9,7 @@ use super::{
     Character,
     animator::CharacterPose,
     bind::CharacterAssets,
-    detail::{ClipsOnly, Mode, Pacing},
+    detail::{ClipsOnly, Mode, Pacing, stagger},
     schedule::PoseClock,
 };
 use crate::{
@@ -70,6 +70,7 @@ struct Scratch {
 /// Poses characters by their clips alone, in blocks.
 #[derive(SystemParam)]
 pub struct Crowd<'w, 's> {
+    time: Res<'w, Time>,
     fixed: Res<'w, Time<Fixed>>,
     clock: Res<'w, PoseClock>,
     assets: CharacterAssets<'w>,
@@ -83,6 +84,17 @@ impl Crowd<'_, '_> {
     pub fn kind(character: &Character, pacing: Option<&Pacing>) -> Option<Kind> {
         let pacing = pacing.filter(|pacing| pacing.mode == Mode::ClipsOnly(ClipsOnly::Alone))?;
         Some(Kind { asset: character.0.id(), small_joints: pacing.small_joints })
+    }
+
+    /// Whether who is posed by clips alone is to be shown anew in this frame.
+    #[must_use]
+    pub fn is_due(&self, character: Entity, pacing: &Pacing) -> bool {
+        let step = f64::from(pacing.shown_every);
+        if pacing.returns || step <= 0.0 {
+            return true;
+        }
+        let now = self.time.elapsed_secs_f64() / step + f64::from(stagger(character));
+        now.floor() > (now - self.time.delta_secs_f64() / step).floor()
     }
 
     /// Writes the palettes of all `jobs` into `matrices`, on all threads; `others` writes those of characters with a pose. Jobs

@@ -42,10 +42,10 @@ pub struct Detail {
     pub look: bool,
     /// Whether clips alone pose it. Default false.
     ///
-    /// True: with all others of its kind, in blocks and in every frame, straight to skinning matrices. Ten times as cheap as being
-    /// posed by itself; feet, look and lean are off whatever the others say, and so is `step`. [`CharacterPose`] stands still. Who
-    /// plays an action, aims, has IK chains or a [`PoseRead`] is posed by itself nevertheless, and so is a
-    /// model whose clips keep keys or whose meshes have no skin.
+    /// True: with all others of its kind, in blocks, straight to skinning matrices, ten times as cheap as by itself. Feet, look
+    /// and lean are off whatever the others say, and frames between two `step`s show the last again. [`CharacterPose`] stands
+    /// still. Who plays an action, aims, has IK chains or a [`PoseRead`] is posed by itself nevertheless, and so is a model whose
+    /// clips keep keys or whose meshes have no skin.
     ///
     /// [`CharacterPose`]: super::animator::CharacterPose
     pub clips_only: bool,
@@ -62,8 +62,8 @@ pub struct Detail {
     ///
     /// False: they pass through it, and it costs the engine less. Rays, casts and other characters meet it all the same.
     pub solid: bool,
-    /// Seconds for which the controller may go on without looking where it goes: see [`Glide`]; and locomotion without looking
-    /// at the controller while nobody sees the pose; then the root [hops](Glide::hops), too. Default 0.
+    /// Seconds for which the controller may go on without looking where it goes (see [`Glide`]), and locomotion without looking
+    /// at the controller while it isn't posed, when the root [hops](Glide::hops), too. Default 0.
     pub glide: f32,
 }
 
@@ -95,6 +95,8 @@ pub struct Pacing {
     pub joins: bool,
     /// [`Detail::small_joints`] of now, or of when clips alone posed it last.
     pub small_joints: bool,
+    /// [`Detail::step`] of now, while clips alone pose it.
+    pub shown_every: f32,
     waited: f32,
 }
 
@@ -197,7 +199,7 @@ impl Pacing {
             self.waited = 0.0;
         }
         if matches!(self.mode, Mode::ClipsOnly(_)) {
-            self.small_joints = detail.small_joints;
+            (self.small_joints, self.shown_every) = (detail.small_joints, step);
         }
         self.returns = hidden && self.mode != Mode::Hidden;
         self.joins = by_clips && !matches!(self.mode, Mode::ClipsOnly(_) | Mode::Hidden);
@@ -234,6 +236,12 @@ fn tell_bodies(
     }
 }
 
+/// A share, 0..1, by which things that are done now and then are put off, so that neighbours don't do them at once.
+pub(super) fn stagger(character: Entity) -> f32 {
+    // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.
+    (character.index_u32() as f32 * 0.618_034).fract()
+}
+
 /// Whose details change their poses, and what may keep clips from posing them alone.
 type Paced = (
     Entity,
@@ -259,8 +267,7 @@ pub(super) fn pace(clock: Res<PoseClock>, assets: CharacterAssets, mut character
         let clips_only = detail.clips_only
             && !(acts || aims || chains || read)
             && assets.get(character).is_some_and(CharacterAsset::has_species);
-        // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.
-        let stagger = (entity.index_u32() as f32 * 0.618_034).fract();
+        let stagger = stagger(entity);
         let wish = Wish { clips_only, settled: ease.is_over(), at_once };
         pacing.advance(detail, wish, stagger, clock.delta_secs());
     });

@@ -13,8 +13,8 @@ pub struct DetailLevels {
     /// From the largest on the screen to the smallest.
     ///
     /// Default: a fifth of the view's height or more has everything in every tick; down to a twelfth 32 poses a second; below
-    /// that clips alone, without fingers, the controller looking seven times a second down to
-    /// a fortieth; below that three times, and nothing is stopped by it.
+    /// that clips alone, without fingers, the controller looking seven times a second; below a fortieth three times, shown 32
+    /// times a second, and nothing is stopped by it.
     pub levels: Vec<DetailLevel>,
     /// Share of a level's size by which a character must be smaller to leave it. Default 0.15.
     ///
@@ -44,7 +44,7 @@ impl Default for DetailLevels {
         let level = |size: f32, detail: Detail| DetailLevel { size, detail };
         let near = Detail { step: 1.0 / 32.0, ..default() };
         let far = Detail { clips_only: true, small_joints: false, glide: 0.15, ..default() };
-        let farthest = Detail { solid: false, glide: 0.3, ..far };
+        let farthest = Detail { step: 1.0 / 32.0, solid: false, glide: 0.3, ..far };
         Self {
             levels: vec![
                 level(0.2, Detail::default()),

@@ -177,7 +177,8 @@ pub(super) fn update_palettes(
         let changed = animated.is_some_and(|pose| pose.is_changed())
             || own.is_some_and(|pose| pose.is_changed())
             || model_parts.is_changed();
-        if !changed && kind.is_none() {
+        let shown_anew = kind.is_some() && pacing.is_some_and(|pacing| crowd.is_due(entity, pacing));
+        if !changed && !shown_anew {
             continue;
         }
         for (part_entity, part, palette) in parts.iter_many(model_parts.iter()) {

@@ -133,6 +133,28 @@ fn blocks_show_the_reference(detail: Detail) {
     }
 }
 
+/// Whether the only character is shown anew in this frame.
+fn shown_anew(crowd: Crowd, characters: Query<(Entity, &Pacing)>) -> bool {
+    let (entity, pacing) = characters.single().expect("there is one");
+    assert_eq!(pacing.mode, ALONE);
+    crowd.is_due(entity, pacing)
+}
+
+#[test]
+fn clips_alone_are_shown_as_often_as_the_step_says() {
+    for (step, least, most) in [(0.0, 120, 120), (1.0 / 32.0, 62, 66), (0.1, 19, 21)] {
+        let (mut stage, walker) = walker_on(&World::flat());
+        set(&mut stage, walker, Detail { step, ..crowded() });
+        stage.run_for(1.5);
+        let shown = (0..120).filter(|_| {
+            stage.run_for(1.0 / 60.0);
+            stage.app().world_mut().run_system_cached(shown_anew).expect("it runs")
+        });
+        let shown = shown.count();
+        assert!((least..=most).contains(&shown), "shown {shown} times in two seconds at steps of {step} s");
+    }
+}
+
 #[test]
 fn held_fingers_stay_as_they_are_while_hands_move() {
     let (mut stage, walker) = walker_on(&World::flat());

@@ -329,8 +329,7 @@ fn locomote(
 
 /// Seconds between two looks at who isn't seen, `most` or up to a third less: not all of them look in the same tick.
 fn rest(character: Entity, most: f32) -> f32 {
-    // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.
-    most * (1.0 - (character.index_u32() as f32 * 0.618_034).fract() / 3.0)
+    most * (1.0 - detail::stagger(character) / 3.0)
 }
 
 /// What clips say of the feet of those that are posed by more than them.
