@@ -25,11 +25,6 @@ impl CharacterAssets<'_> {
     pub fn get(&self, character: &Character) -> Option<&CharacterAsset> {
         self.assets.get(&character.0)
     }
-
-    /// The file of this kind of character.
-    pub(super) fn of(&self, kind: AssetId<CharacterAsset>) -> Option<&CharacterAsset> {
-        self.assets.get(kind)
-    }
 }
 
 /// Binds characters to their files.

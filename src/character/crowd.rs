@@ -8,7 +8,6 @@ use bevy::{ecs::system::SystemParam, prelude::*, tasks::ComputeTaskPool, utils::
 use super::{
     Character,
     animator::CharacterPose,
-    bind::CharacterAssets,
     detail::{ClipsOnly, Mode, Pacing, stagger},
     schedule::PoseClock,
 };
@@ -67,13 +66,13 @@ struct Scratch {
     plays: [Vec<Play>; BLOCK],
 }
 
-/// Poses characters by their clips alone, in blocks.
+/// Poses characters by their clips alone, in blocks. Where nothing animates characters it only writes the palettes of others.
 #[derive(SystemParam)]
 pub struct Crowd<'w, 's> {
-    time: Res<'w, Time>,
-    fixed: Res<'w, Time<Fixed>>,
-    clock: Res<'w, PoseClock>,
-    assets: CharacterAssets<'w>,
+    time: Option<Res<'w, Time>>,
+    fixed: Option<Res<'w, Time<Fixed>>>,
+    clock: Option<Res<'w, PoseClock>>,
+    assets: Option<Res<'w, Assets<CharacterAsset>>>,
     poses: Query<'w, 's, &'static CharacterPose>,
     scratch: Local<'s, Parallel<Scratch>>,
 }
@@ -90,11 +89,9 @@ impl Crowd<'_, '_> {
     #[must_use]
     pub fn is_due(&self, character: Entity, pacing: &Pacing) -> bool {
         let step = f64::from(pacing.shown_every);
-        if pacing.returns || step <= 0.0 {
-            return true;
-        }
-        let now = self.time.elapsed_secs_f64() / step + f64::from(stagger(character));
-        now.floor() > (now - self.time.delta_secs_f64() / step).floor()
+        let Some(time) = self.time.as_ref().filter(|_| step > 0.0 && !pacing.returns) else { return true };
+        let now = time.elapsed_secs_f64() / step + f64::from(stagger(character));
+        now.floor() > (now - time.delta_secs_f64() / step).floor()
     }
 
     /// Writes the palettes of all `jobs` into `matrices`, on all threads; `others` writes those of characters with a pose. Jobs
@@ -139,7 +136,7 @@ impl Crowd<'_, '_> {
         let mut scratch = self.scratch.borrow_local_mut();
         for run in jobs.chunk_by(|a, b| a.kind == b.kind && (a.kind.is_none() || a.part == b.part)) {
             let species = |kind: Kind| {
-                let asset = self.assets.of(kind.asset)?;
+                let asset = self.assets.as_ref()?.get(kind.asset)?;
                 Some((asset, asset.species(run[0].part, kind.small_joints)?))
             };
             match run[0].kind.and_then(species) {
@@ -168,7 +165,10 @@ impl Crowd<'_, '_> {
         matrices: &mut [JointMatrix],
         scratch: &mut Scratch,
     ) {
-        let share = self.clock.share(self.fixed.overstep_fraction());
+        let share = match (&self.clock, &self.fixed) {
+            (Some(clock), Some(fixed)) => clock.share(fixed.overstep_fraction()),
+            _ => 1.0,
+        };
         for (job, plays) in block.iter().zip(&mut scratch.plays) {
             plays.clear();
             if let Ok(pose) = self.poses.get(job.character) {

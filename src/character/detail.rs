@@ -213,6 +213,7 @@ impl Plugin for DetailPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<Detail>()
             .register_type::<PoseRead>()
+            .add_observer(give_everything_back)
             .add_systems(FixedUpdate, tell_bodies.before(MotionSystems::Move))
             .add_systems(FixedPostUpdate, pace.in_set(PoseSystems::Pace));
     }
@@ -221,6 +222,15 @@ impl Plugin for DetailPlugin {
 /// Goes with a [`RigidBodyDisabled`] that a [`Detail`] asked for.
 #[derive(Component)]
 struct NotSolid;
+
+/// Who has a [`Detail`] no more looks in every tick again, and stops what comes.
+fn give_everything_back(removed: On<Remove, Detail>, mut commands: Commands, by_detail: Query<(), With<NotSolid>>) {
+    let mut character = commands.entity(removed.entity);
+    character.try_insert(Glide::default());
+    if by_detail.contains(removed.entity) {
+        character.try_remove::<(RigidBodyDisabled, NotSolid)>();
+    }
+}
 
 fn tell_bodies(
     mut commands: Commands,
@@ -246,7 +256,7 @@ pub(super) fn stagger(character: Entity) -> f32 {
 type Paced = (
     Entity,
     &'static Character,
-    &'static Detail,
+    Option<&'static Detail>,
     &'static mut Pacing,
     &'static Ease,
     Option<&'static Locomotion>,
@@ -255,6 +265,8 @@ type Paced = (
 
 pub(super) fn pace(clock: Res<PoseClock>, assets: CharacterAssets, mut characters: Query<Paced>) {
     characters.par_iter_mut().for_each(|(entity, character, detail, mut pacing, ease, locomotion, also)| {
+        // Who has none any more has everything again.
+        let detail = &detail.copied().unwrap_or_default();
         if !detail.posed && pacing.mode == Mode::Hidden {
             return pacing.wait(clock.delta_secs());
         }

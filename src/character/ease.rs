@@ -71,6 +71,14 @@ impl Ease {
         // Only steps of whole ticks end where a tick does.
         let whole = self.stepped.is_some_and(|step| self.is_whole(step) && (self.since - step).abs() <= EARLY);
         self.direct = steady && if due { whole } else { self.direct };
+        if let (Some(step), None) = (was, self.stepped)
+            && due
+            && self.since + EARLY >= step
+        {
+            // The last step ends in time: it was on the way to this pose.
+            self.keys.swap(0, 1);
+            self.record(1, pose);
+        }
         match (was, self.stepped) {
             _ if pacing.mode == Mode::Hidden => return self.share = Spring::at(0.0),
             (step, _) if clips.is_some() => {

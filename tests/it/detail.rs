@@ -14,6 +14,7 @@ use surefoot::{
         intent::MoveIntent,
         locomotion::Locomotion,
         look::Look,
+        motion::Glide,
         schedule::{PoseClock, PoseSystems},
     },
     measure::summary::Measures,
@@ -71,7 +72,8 @@ fn nothing_pops_when_clips_take_over_and_give_back() {
         for (name, details) in pairs {
             let changing = turns_of(&world, &details, 1.1).pop_jump;
             println!("{}: jumps {changing:.2} between {name} and clips alone, {calm:.2} in every frame", world.name);
-            assert!(changing <= 2.0_f32.max(1.1 * calm), "{}: {name}: jumps by {changing:.2}", world.name);
+            // Who changes back within a second jumps once by the motion of two ticks, if its step was about to end.
+            assert!(changing <= 2.3_f32.max(1.1 * calm), "{}: {name}: jumps by {changing:.2}", world.name);
         }
     }
 }
@@ -318,6 +320,23 @@ fn what_is_not_solid_stops_nothing_and_is_hit_by_rays_all_the_same() {
     assert!(reached(every) < 0.0, "a ball flew {} m through a solid body", reached(every));
     let passed = reached(Detail { solid: false, ..every });
     assert!((1.5..2.5).contains(&passed), "a ball flew {passed} m beyond who isn't solid");
+}
+
+#[test]
+fn who_has_no_detail_any_more_has_everything_again() {
+    for hides in [false, true] {
+        let (mut stage, walker) = walker_on(&World::flat());
+        set(&mut stage, walker, Detail { posed: !hides, solid: false, glide: 0.5, ..crowded() });
+        stage.run_for(1.0);
+        stage.app().world_mut().entity_mut(walker).remove::<Detail>();
+        stage.run_for(0.5);
+        assert!(stage.get::<RigidBodyDisabled>(walker).is_none(), "nothing stops it");
+        assert_eq!((mode(&stage, walker), stage.get::<Glide>(walker)), (Mode::Every, Some(&Glide::default())));
+        stage.start_recording(walker);
+        stage.run_for(2.0);
+        let measures = stage.measures(walker);
+        assert!(measures.skate < 2.0, "feet skate by {} cm/s", measures.skate);
+    }
 }
 
 #[test]
