@@ -72,8 +72,9 @@ fn nothing_pops_when_clips_take_over_and_give_back() {
         for (name, details) in pairs {
             let changing = turns_of(&world, &details, 1.1).pop_jump;
             println!("{}: jumps {changing:.2} between {name} and clips alone, {calm:.2} in every frame", world.name);
-            // Who changes back within a second jumps once by the motion of two ticks, if its step was about to end.
-            assert!(changing <= 2.3_f32.max(1.1 * calm), "{}: {name}: jumps by {changing:.2}", world.name);
+            // Between steps and clips, in one of a step's two phases, a joint once goes the way of two ticks.
+            let most: f32 = if name == "every tick" { 2.0 } else { 2.3 };
+            assert!(changing <= most.max(1.1 * calm), "{}: {name}: jumps by {changing:.2}", world.name);
         }
     }
 }
