@@ -47,7 +47,7 @@ use super::{
     sole::sole_model,
 };
 use crate::{
-    anim::pose::Pose,
+    anim::{peak::Peak, pose::Pose},
     math::spring::damp,
     rig::{character::CharacterAsset, tuning::foot_ik::TUNED_LEG},
 };
@@ -151,14 +151,14 @@ fn plant(
         &mut FootIk,
     )>,
 ) {
-    let dt = clock.delta_secs();
+    let tick = clock.delta_secs();
     characters.par_iter_mut().for_each(
         |(character, root, motion, locomotion, filter, (detail, pacing), mut pose, mut ik)| {
-            let (Some(asset), Some(dt)) = (assets.get(character), Pacing::whole(pacing, dt)) else { return };
+            let (Some(asset), Some(dt)) = (assets.get(character), Pacing::whole(pacing, tick)) else { return };
             let wanted = detail.is_none_or(|detail| detail.feet);
             // Landings turn with the body; one that begins to turn would throw them about.
             ik.turns = damp(ik.turns, motion.yaw_rate, TURNS_HALF_LIFE, dt);
-            let clips = locomotion.liveliest(asset, dt.max(SEEN));
+            let clips = lively(locomotion, asset, tick, dt);
             let config = &asset.file.foot_ik.for_leg(asset.leg_length);
             let size = asset.leg_length / TUNED_LEG;
             let leg_speed = locomotion.leg_speed(asset);
@@ -185,6 +185,19 @@ fn plant(
             ik.place(&body, &mut pose, &probe, &frames);
         },
     );
+}
+
+/// How lively the clips are that play, for a pose every `step` seconds of ticks of `tick` seconds.
+///
+/// A pose of a long step changes velocities in a single frame: legs may do so hardly more than in frames of that length, or as
+/// much as the clips themselves do in such steps.
+fn lively(locomotion: &Locomotion, asset: &CharacterAsset, tick: f32, step: f32) -> Peak {
+    let in_frames = locomotion.liveliest(asset, tick.max(SEEN));
+    if step <= tick.max(SEEN) {
+        return in_frames;
+    }
+    let in_steps = locomotion.liveliest(asset, step);
+    Peak { velocity_jump: in_frames.velocity_jump.max(in_steps.velocity_jump / soften::LIVELIER.0), ..in_frames }
 }
 
 impl FootIk {

@@ -21,7 +21,7 @@ use crate::{
 
 /// How much more than in the clips a leg's velocity may change, and how much faster its joints may turn: up to twice looks
 /// like the clip.
-const LIVELIER: (f32, f32) = (1.7, 1.8);
+pub(super) const LIVELIER: (f32, f32) = (1.7, 1.8);
 /// Seconds in which a leg eases into what is asked.
 const EASES: f32 = 0.1;
 
