@@ -111,6 +111,13 @@ impl Solid<'_> {
         self.bounds.meets(span)
     }
 
+    /// Whether `shape`, upright at `at`, reaches into it by more than `depth` metres, or may do so: only capsules tell.
+    pub(super) fn may_hold(&self, shape: &Collider, at: Vec3, depth: f32) -> bool {
+        let mine = UprightCapsule::of(shape, Frame { position: at, rotation: Quat::IDENTITY });
+        let theirs = UprightCapsule::of(self.shape, self.frame);
+        mine.zip(theirs).is_none_or(|(mine, theirs)| mine.depth_in(&theirs) > depth)
+    }
+
     /// Whether a shape on its way may touch it: its bounds, and the surface itself of a heightfield.
     pub(super) fn may_be_met(&self, sweep: &Sweep) -> bool {
         self.reaches_into(sweep.span) && self.field.is_none_or(|field| reaches_into(field, self.frame, sweep))

@@ -38,6 +38,13 @@ impl UprightCapsule {
         let foot = if a.y < b.y { a } else { b };
         upright.then_some(Self { foot, length: (a.y - b.y).abs(), radius: capsule.radius })
     }
+
+    /// Metres by which the two reach into each other; negative where they are apart.
+    pub(super) fn depth_in(&self, other: &Self) -> f32 {
+        let way = self.foot - other.foot;
+        let apart = way - Vec3::Y * way.y.clamp(-self.length, other.length);
+        self.radius + other.radius - apart.length()
+    }
 }
 
 /// Where `moving` first touches `obstacle` within `reach` metres. One that starts in the other touches it unless it leaves.
@@ -105,6 +112,7 @@ mod tests {
             let obstacle = UprightCapsule::of(&Collider::capsule(0.3, 1.0), frame(Vec3::ZERO, 1.0)).expect("it is upright");
             // Metres between the two after some way; rounding of the two colliders takes some micrometres.
             let gap = |way: f32| apart(low + direction * way, length, 1.0) - radii;
+            prop_assert!((gap(0.0) + moving.depth_in(&obstacle)).abs() < 2e-5, "{} m deep", moving.depth_in(&obstacle));
             let hit = sweep_capsule(moving, direction, reach, obstacle);
             if gap(0.0) < 0.0 {
                 let nearer = gap(1e-3) < gap(0.0);

@@ -12,10 +12,18 @@ use avian3d::{
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
 
-use super::{around::Around, body::MotionBody, frame::Frame, heightfield::Span};
+use super::{
+    around::{Around, Solid},
+    body::MotionBody,
+    frame::Frame,
+    heightfield::Span,
+};
 
 /// Gap in metres that sweeps keep to what they hit, so that the next sweep starts in free space.
 pub(super) const SKIN: f32 = 0.01;
+
+/// Depth in metres up to which a contact is taken for resting, no reason to move.
+const RESTING: f32 = 1e-3;
 
 /// Depth in metres up to which a body is pushed out of another; deeper contacts are taken for nonsense.
 const DEEPEST: f32 = 20.0;
@@ -151,14 +159,15 @@ impl View<'_> {
         (floor.height.is_finite() && floor.normal.is_finite()).then_some(floor)
     }
 
-    /// Whether a body that may move by itself is about the shape, and so may have moved into it.
-    pub(super) fn has_movers_near(&self, shape: &Collider, at: Vec3) -> bool {
+    /// Whether a body that may move by itself may have moved into the shape.
+    pub(super) fn is_moved_into(&self, shape: &Collider, at: Vec3) -> bool {
         if !at.is_finite() {
             return false;
         }
         let bounds = shape.aabb(at, Quat::IDENTITY);
         let span = Span { least: bounds.min, most: bounds.max };
-        self.solids_in(span).iter().any(|solid| !solid.is_static && solid.reaches_into(span))
+        let moves = |solid: &Solid| !solid.is_static && solid.reaches_into(span);
+        self.solids_in(span).iter().any(|solid| moves(solid) && solid.may_hold(shape, at, RESTING))
     }
 
     /// The way out for a shape that may stand inside others; zero where it is free.
@@ -168,9 +177,8 @@ impl View<'_> {
             return Vec3::ZERO;
         }
         self.space.casts.intersections(shape, at, Quat::IDENTITY, 0.0, &self.filter, |collider, contact, normal| {
-            // Deeper than a hair: resting contacts are no reason to move.
             let mine = self.space.owners.get(collider).is_ok_and(|owner| owner.body == self.me);
-            if !mine && contact.penetration > 1e-3 {
+            if !mine && contact.penetration > RESTING {
                 contacts.push((normal, contact.penetration));
             }
             true

@@ -168,7 +168,7 @@ impl Tick<'_> {
     /// Gets the body out of whatever it stands in.
     fn get_unstuck(&self, body: &mut MotionBody, state: &mut MotionState) {
         let shape = self.shape(body);
-        if body.checks == 0 && !self.view.has_movers_near(shape, body.position) {
+        if body.checks == 0 && !self.view.is_moved_into(shape, body.position) {
             return;
         }
         let mut out = Vec3::ZERO;
