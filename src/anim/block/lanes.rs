@@ -16,6 +16,8 @@ pub(super) type Mask<S> = mask32x8<S>;
 
 /// Shortest squared length that has a direction; as in `math::rotation`.
 const TINY_SQUARED: f32 = 1e-16;
+/// Squared length of a quaternion that says nothing.
+const TINIEST_SQUARED: f32 = 1e-12;
 /// Cosine below which two directions count as opposite; as in `math::rotation`.
 const OPPOSITE: f32 = -0.999_999;
 
@@ -59,20 +61,6 @@ pub(super) fn inverse_length_between_units<S: Simd>(simd: S, squared: Floats<S>)
 
 /// Coefficients of the parabola with the least relative error (Remez).
 const PARABOLA: [f32; 3] = [2.012982, -1.540551, 0.527734];
-
-/// The lower or upper four lanes.
-#[inline(always)]
-pub(super) fn four<S: Simd>(simd: S, row: &Row, half: usize) -> f32x4<S> {
-    f32x4::from_slice(simd, &row[4 * half..4 * half + 4])
-}
-
-/// Four rows of four become columns.
-#[inline(always)]
-pub(super) fn transpose<S: Simd>(a: f32x4<S>, b: f32x4<S>, c: f32x4<S>, d: f32x4<S>) -> [f32x4<S>; 4] {
-    let ((ac_low, ac_high), (bd_low, bd_high)) = (a.interleave(c), b.interleave(d));
-    let ((first, second), (third, fourth)) = (ac_low.interleave(bd_low), ac_high.interleave(bd_high));
-    [first, second, third, fourth]
-}
 
 /// `base - a * b`.
 #[inline(always)]
@@ -261,7 +249,7 @@ impl<S: Simd> Quats<S> {
     #[inline(always)]
     pub(super) fn normalized_or_identity(self, simd: S) -> Self {
         let squared = self.dot(self);
-        let has = squared.simd_gt(splat(simd, 1e-12));
+        let has = squared.simd_gt(splat(simd, TINIEST_SQUARED));
         let inverse = splat(simd, 1.0) / squared.sqrt();
         let inverse = select::<S>(has, inverse, splat(simd, 0.0));
         let mut unit = self.times(inverse);
@@ -306,8 +294,22 @@ impl<S: Simd> Mat3s<S> {
     /// Of unit quaternions.
     #[inline(always)]
     pub(super) fn from_quats(simd: S, q: Quats<S>) -> Self {
+        Self::from_scaled_quats(simd, q, splat(simd, 2.0))
+    }
+
+    /// Of quaternions of any length; the identity where they have none.
+    #[inline(always)]
+    pub(super) fn from_any_quats(simd: S, q: Quats<S>) -> Self {
+        let squared = q.dot(q);
+        let has = squared.simd_gt(splat(simd, TINIEST_SQUARED));
+        Self::from_scaled_quats(simd, q, select::<S>(has, splat(simd, 2.0) / squared, splat(simd, 0.0)))
+    }
+
+    /// `scale` is two over the squared length.
+    #[inline(always)]
+    fn from_scaled_quats(simd: S, q: Quats<S>, scale: Floats<S>) -> Self {
         let one = splat(simd, 1.0);
-        let (x2, y2, z2) = (q.x + q.x, q.y + q.y, q.z + q.z);
+        let (x2, y2, z2) = (q.x * scale, q.y * scale, q.z * scale);
         let (wx, wy, wz) = (q.w * x2, q.w * y2, q.w * z2);
         let (yy, zz, without_xx) = (q.y * y2, q.z * z2, (-q.x).mul_add(x2, one));
         Self([

@@ -9,10 +9,11 @@ use super::{
     Instructions, Layer, Play, Precision,
     channels::{Channels, rotation_place},
     frames::Frames,
-    lanes::{LANES, Row, four, transpose},
+    lanes::{LANES, Row, load},
     rows::{RowData, RowSource, Rows},
     sample::{Plan, sample},
     species::Tracks,
+    transpose::transpose_halves,
 };
 use crate::anim::{
     clip::Clip,
@@ -135,17 +136,16 @@ impl ClipSet {
 
     #[inline(always)]
     fn run<S: Simd>(&self, simd: S, plan: &Plan, (layer, row): (&mut [Row], &mut [Row]), out: &mut [JointTransform]) {
-        sample(simd, &self.tracks, plan, layer, row);
+        sample::<S, true>(simd, &self.tracks, plan, layer, row);
         out.copy_from_slice(&self.rest);
         let channels = &self.tracks.channels;
         for (tile, joints) in row.as_chunks::<4>().0.iter().zip(channels.rotations.chunks(LANES)) {
-            for (half, joints) in joints.chunks(4).enumerate() {
-                let [x, y, z, w] = [0, 1, 2, 3].map(|part| four(simd, &tile[part], half));
-                for (joint, rotation) in joints.iter().zip(transpose(x, y, z, w)) {
-                    let mut parts = [0.0; 4];
-                    rotation.store_slice(&mut parts);
-                    out[joint.index()].rotation = Quat::from_array(parts);
-                }
+            let columns = transpose_halves(simd, tile.map(|part| load(simd, &part))).map(|pair| pair.split());
+            for (lane, joint) in joints.iter().enumerate() {
+                let (first, second) = columns[lane % 4];
+                let mut parts = [0.0; 4];
+                (if lane < 4 { first } else { second }).store_slice(&mut parts);
+                out[joint.index()].rotation = Quat::from_array(parts);
             }
         }
         for (kind, (start, joints)) in channels.vector_runs().into_iter().enumerate() {

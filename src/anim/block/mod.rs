@@ -27,6 +27,7 @@ mod palette;
 mod rows;
 mod sample;
 mod species;
+mod transpose;
 
 use bevy::math::{Quat, Vec3};
 use fearless_simd::{Level, Simd, dispatch};
@@ -203,7 +204,7 @@ fn run<S: Simd>(
     for block in actors.chunks(LANES) {
         for (actor, pose) in block.iter().zip(work.poses.chunks_mut(width.max(1))) {
             work.plan.make(tracks, actor.layers);
-            sample::sample(simd, tracks, &work.plan, &mut work.layer[..width], &mut pose[..width]);
+            sample::sample::<S, false>(simd, tracks, &work.plan, &mut work.layer[..width], &mut pose[..width]);
         }
         if until == Until::Sampled {
             continue;

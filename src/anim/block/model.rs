@@ -70,7 +70,7 @@ pub(super) fn place_joints<S: Simd>(
         let translation = translation(simd, species, lanes, joint);
         match (&joint.rotation, &joint.scale) {
             (Track::Moving(place), Track::Identity) => {
-                let turn = Mat3s::from_quats(simd, Quats::load(simd, &lanes.turns[*place]));
+                let turn = Mat3s::from_any_quats(simd, Quats::load(simd, &lanes.turns[*place]));
                 place_joint(simd, parent, Some(&turn), translation, own);
             }
             (Track::Identity, Track::Identity) => place_joint(simd, parent, None, translation, own),
@@ -111,7 +111,7 @@ fn local<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint) -> M
     let turn = match &joint.rotation {
         Track::Identity => Mat3s::from_quats(simd, Quats::identity(simd)),
         Track::Still(matrix) => Mat3s::splat(simd, *matrix),
-        Track::Moving(place) => Mat3s::from_quats(simd, Quats::load(simd, &lanes.turns[*place])),
+        Track::Moving(place) => Mat3s::from_any_quats(simd, Quats::load(simd, &lanes.turns[*place])),
     };
     match &joint.scale {
         Track::Identity => turn,

@@ -2,13 +2,14 @@
 //!
 //! Reads placed joints, writes `model_from_joint * inverse_bind` in rows, each once.
 
-use fearless_simd::{Simd, f32x4, prelude::*};
+use fearless_simd::{Simd, prelude::*};
 
 use super::{
     Actor,
-    lanes::{LANES, Mat3s, Vec3s, four, transpose},
+    lanes::{Floats, LANES, Mat3s, Vec3s, load},
     model::{JointRows, Placed},
     species::Species,
+    transpose::transpose_halves,
 };
 use crate::anim::skin::JointMatrix;
 
@@ -51,19 +52,35 @@ pub(super) fn write<S: Simd>(
             Some(rest) => &with_rest(simd, &joints[slot.joint], rest, slot.offset),
         };
         let offset = if slot.rest.is_some() { [0.0; 3] } else { slot.offset };
-        for row in 0..3 {
-            let first = quads(simd, joint, row, 0, offset);
-            first[0].store_slice(&mut a[index].0[row]);
-            first[1].store_slice(&mut b[index].0[row]);
-            first[2].store_slice(&mut c[index].0[row]);
-            first[3].store_slice(&mut d[index].0[row]);
-            let last = quads(simd, joint, row, 1, offset);
-            last[0].store_slice(&mut e[index].0[row]);
-            last[1].store_slice(&mut f[index].0[row]);
-            last[2].store_slice(&mut g[index].0[row]);
-            last[3].store_slice(&mut h[index].0[row]);
-        }
+        let [ae, bf, cg, dh] = pairs(simd, joint, offset);
+        store(ae, &mut a[index], &mut e[index]);
+        store(bf, &mut b[index], &mut f[index]);
+        store(cg, &mut c[index], &mut g[index]);
+        store(dh, &mut d[index], &mut h[index]);
     }
+}
+
+/// The rows of two characters' matrix, each character's one after the other: they share a line of the cache.
+#[inline(always)]
+fn store<S: Simd>(rows: [Floats<S>; 3], first: &mut JointMatrix, second: &mut JointMatrix) {
+    let [x, y, z] = rows;
+    let (x, y, z) = (x.split(), y.split(), z.split());
+    x.0.store_slice(&mut first.0[0]);
+    y.0.store_slice(&mut first.0[1]);
+    z.0.store_slice(&mut first.0[2]);
+    x.1.store_slice(&mut second.0[0]);
+    y.1.store_slice(&mut second.0[1]);
+    z.1.store_slice(&mut second.0[2]);
+}
+
+/// The rows of the matrix of eight characters, those of the first beside those of the fifth and so on: the joint's rows, and
+/// where `offset` of the joint is.
+#[inline(always)]
+fn pairs<S: Simd>(simd: S, joint: &JointRows, offset: [f32; 3]) -> [[Floats<S>; 3]; 4] {
+    let [a, b, c, d] = rows(simd, joint, 0, offset);
+    let [e, f, g, h] = rows(simd, joint, 1, offset);
+    let [i, j, k, l] = rows(simd, joint, 2, offset);
+    [[a, e, i], [b, f, j], [c, g, k], [d, h, l]]
 }
 
 /// A joint with what is left of the inverse bind matrix: `offset` first, then `rest`.
@@ -76,12 +93,11 @@ fn with_rest<S: Simd>(simd: S, joint: &JointRows, rest: [[f32; 3]; 3], offset: [
     turned
 }
 
-/// One row of the matrix of four characters: the joint's row, and where `offset` of the joint is.
+/// One row of the matrix of eight characters, the first beside the fifth and so on: the joint's row, and where `offset` of the
+/// joint is.
 #[inline(always)]
-fn quads<S: Simd>(simd: S, joint: &JointRows, row: usize, half: usize, offset: [f32; 3]) -> [f32x4<S>; 4] {
-    let [x, y, z] = &joint[row];
-    let (x, y, z) = (four(simd, x, half), four(simd, y, half), four(simd, z, half));
-    let place = four(simd, &joint[3][row], half);
-    let place = x.mul_add(offset[0], y.mul_add(offset[1], z.mul_add(offset[2], place)));
-    transpose(x, y, z, place)
+fn rows<S: Simd>(simd: S, joint: &JointRows, row: usize, offset: [f32; 3]) -> [Floats<S>; 4] {
+    let axes = Vec3s::load(simd, &joint[row]);
+    let place = axes.dot_plus(Vec3s::splat(simd, offset), load(simd, &joint[3][row]));
+    transpose_halves(simd, [axes.x, axes.y, axes.z, place])
 }

@@ -3,16 +3,14 @@
 //! Reads rows of clips, writes one row: rotations, translations and scales between frames. In-between values stay in
 //! registers, whatever the number of clips and layers.
 
-use fearless_simd::{Simd, f32x4, prelude::*};
+use fearless_simd::{Simd, prelude::*};
 
 use super::{
     Layer, LayerMode, Play,
-    lanes::{
-        Floats, LANES, Quats, Row, four, inverse_length_between_units, load, load_shorts, select, splat, store,
-        transpose,
-    },
+    lanes::{Floats, LANES, Quats, Row, inverse_length_between_units, load, load_shorts, select, splat, store},
     rows::{FloatRows, RowData, Rows, ShortRows},
     species::Tracks,
+    transpose::{halves, transpose_halves},
 };
 
 /// What to sample for one character, in order.
@@ -95,14 +93,22 @@ impl Rows {
     }
 }
 
-/// Writes the row of one character. `layer` is scratch memory.
+/// Writes the row of one character. `layer` is scratch memory. `UNIT`: rotations are made one long.
 #[inline(always)]
-pub(super) fn sample<S: Simd>(simd: S, tracks: &Tracks, plan: &Plan, layer: &mut [Row], out: &mut [Row]) {
+pub(super) fn sample<S: Simd, const UNIT: bool>(
+    simd: S,
+    tracks: &Tracks,
+    plan: &Plan,
+    layer: &mut [Row],
+    out: &mut [Row],
+) {
     if !plan.passes.first().is_some_and(Pass::hides) {
         out.copy_from_slice(&tracks.channels.rest);
     }
-    for pass in &plan.passes {
-        if pass.hides() && cross_fade(simd, tracks, &plan.spans[pass.first..pass.end], out) {
+    for (index, pass) in plan.passes.iter().enumerate() {
+        // What comes on top wants them so, too.
+        let unit = UNIT || index + 1 < plan.passes.len();
+        if pass.hides() && cross_fade(simd, tracks, &plan.spans[pass.first..pass.end], unit, out) {
             continue;
         }
         for (index, span) in plan.spans[pass.first..pass.end].iter().enumerate() {
@@ -122,13 +128,13 @@ pub(super) fn sample<S: Simd>(simd: S, tracks: &Tracks, plan: &Plan, layer: &mut
                 }
             }
         }
-        lay(simd, tracks, pass, layer, out);
+        lay(simd, tracks, pass, unit, layer, out);
     }
 }
 
 /// The common case in one go: two clips in floats and nothing below. Whether it was one.
 #[inline(always)]
-fn cross_fade<S: Simd>(simd: S, tracks: &Tracks, spans: &[Span], out: &mut [Row]) -> bool {
+fn cross_fade<S: Simd>(simd: S, tracks: &Tracks, spans: &[Span], unit: bool, out: &mut [Row]) -> bool {
     let [a, b] = spans else { return false };
     let (RowData::Float(rows_a), RowData::Float(rows_b)) = (&tracks.clips[a.clip].data, &tracks.clips[b.clip].data)
     else {
@@ -145,7 +151,8 @@ fn cross_fade<S: Simd>(simd: S, tracks: &Tracks, spans: &[Span], out: &mut [Row]
         let b = from_b.rotations(simd, tile).toward(to_b.rotations(simd, tile), blend_b);
         let share_a = inverse_length_between_units(simd, a.dot(a)) * weight_a;
         let share_b = (inverse_length_between_units(simd, b.dot(b)) * weight_b).copysign(a.dot(b));
-        a.times(share_a).plus_times(b, share_b).normalized_or_identity(simd).store(out);
+        let sum = a.times(share_a).plus_times(b, share_b);
+        (if unit { sum.normalized_or_identity(simd) } else { sum }).store(out);
     }
     for (vector, out) in numbers.iter_mut().enumerate() {
         let (a, b) = (from_a.numbers(simd, vector), from_b.numbers(simd, vector));
@@ -267,7 +274,7 @@ fn add<S: Simd, F: Frame, const FIRST: bool>(simd: S, frames: [F; 2], span: &Spa
 
 /// Lays a layer's sum on the pose below.
 #[inline(always)]
-fn lay<S: Simd>(simd: S, tracks: &Tracks, pass: &Pass, layer: &[Row], out: &mut [Row]) {
+fn lay<S: Simd>(simd: S, tracks: &Tracks, pass: &Pass, unit: bool, layer: &[Row], out: &mut [Row]) {
     let (tiles, scales) = (tracks.channels.tiles(), tracks.channels.scale_start());
     let (layer_turns, layer_numbers) = layer.split_at(4 * tiles);
     let (turns, numbers) = out.split_at_mut(4 * tiles);
@@ -275,7 +282,8 @@ fn lay<S: Simd>(simd: S, tracks: &Tracks, pass: &Pass, layer: &[Row], out: &mut 
     let (one, weight) = (splat(simd, 1.0), splat(simd, pass.weight));
     for (tile, (pose, layer)) in turns.as_chunks_mut::<4>().0.iter_mut().zip(layer_turns.as_chunks::<4>().0).enumerate()
     {
-        let layer = Quats::load(simd, layer).normalized_or_identity(simd);
+        let sum = Quats::load(simd, layer);
+        let layer = if unit || !pass.hides() { sum.normalized_or_identity(simd) } else { sum };
         let share = match mask {
             Some((mask, _)) => load(simd, &mask[tile]) * weight,
             None => weight,
@@ -330,29 +338,28 @@ pub(super) fn transpose_rows<S: Simd>(
     let (tiles, width) = (tracks.channels.tiles(), tracks.channels.width());
     for (tile, turns) in turns.as_chunks_mut::<LANES>().0.iter_mut().take(tiles).enumerate() {
         for (part, vector) in (4 * tile..4 * tile + 4).enumerate() {
-            for (first, half) in [(0, 0), (0, 1), (4, 0), (4, 1)] {
-                let columns = columns(simd, poses, width, vector, first, half);
-                for slot in 0..4 {
-                    columns[slot].store_slice(&mut turns[4 * half + slot][part][first..first + 4]);
+            for half in 0..2 {
+                let columns = columns(simd, poses, width, vector, half);
+                for (slot, column) in columns.into_iter().enumerate() {
+                    store(column, &mut turns[4 * half + slot][part]);
                 }
             }
         }
     }
     let numbers = numbers.as_chunks_mut::<LANES>().0;
     for (vector, numbers) in numbers.iter_mut().take(width - 4 * tiles).enumerate() {
-        for (first, half) in [(0, 0), (0, 1), (4, 0), (4, 1)] {
-            let columns = columns(simd, poses, width, 4 * tiles + vector, first, half);
-            for place in 0..4 {
-                columns[place].store_slice(&mut numbers[4 * half + place][first..first + 4]);
+        for half in 0..2 {
+            let columns = columns(simd, poses, width, 4 * tiles + vector, half);
+            for (place, column) in columns.into_iter().enumerate() {
+                store(column, &mut numbers[4 * half + place]);
             }
         }
     }
 }
 
-/// Half of a vector of four characters from `first` on, one column a number.
+/// Half of a vector of eight characters, one column a number.
 #[inline(always)]
-fn columns<S: Simd>(simd: S, poses: &[Row], width: usize, vector: usize, first: usize, half: usize) -> [f32x4<S>; 4] {
-    let at = first * width + vector;
-    let (a, b) = (four(simd, &poses[at], half), four(simd, &poses[at + width], half));
-    transpose(a, b, four(simd, &poses[at + 2 * width], half), four(simd, &poses[at + 3 * width], half))
+fn columns<S: Simd>(simd: S, poses: &[Row], width: usize, vector: usize, half: usize) -> [Floats<S>; 4] {
+    let row = |row: usize| halves(simd, &poses[row * width + vector], &poses[(row + 4) * width + vector], half);
+    transpose_halves(simd, [row(0), row(1), row(2), row(3)])
 }
