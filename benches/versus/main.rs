@@ -14,7 +14,7 @@ mod ours;
 mod watch;
 
 use surefoot::anim::{
-    block::{Precision, Until, Workspace},
+    block::{Instructions, Precision, Until, Workspace},
     skin::JointMatrix,
 };
 
@@ -22,7 +22,7 @@ use body::Body;
 #[cfg(feature = "render")]
 use built_in::{BuiltIn, Part};
 use mannequins::{Mannequins, Palettes, Viewer};
-use ours::{Ours, workspace};
+use ours::Ours;
 #[cfg(feature = "render")]
 use watch::thread_time;
 use watch::{allocations, bytes_in_use, median, time, wall_time};
@@ -79,7 +79,7 @@ fn main() {
 /// All stages of one crowd, both sides taking turns.
 fn rows(body: &Body, ours: &Ours, count: usize) -> Vec<Row> {
     let rounds = WORK.div_ceil(count);
-    let mut work = workspace(true);
+    let mut work = Workspace::default();
     let (mut one, mut two) = (ours.crowd(count, 1), ours.crowd(count, 2));
     let mut times: [Vec<f64>; 5] = Default::default();
     let mut theirs = Theirs::new(body, count);
@@ -113,20 +113,24 @@ fn rows(body: &Body, ours: &Ours, count: usize) -> Vec<Row> {
     ]
 }
 
-/// The same frames without AVX2.
+/// The same frames with AVX2, and with the instructions of every machine.
 fn instructions(ours: &Ours) {
     let mut crowd = ours.crowd(1_000, 2);
-    let [best, baseline] = [true, false].map(|best| {
-        let mut work = workspace(best);
+    let mut full = |instructions: Instructions| {
+        let mut work = Workspace::with(instructions);
         let lap = |_| time(WORK / 1_000, || ours.frame(&mut crowd, &mut work, Until::Written)) / 1_000.0;
         median(&mut (0..TURNS).map(lap).collect::<Vec<_>>())
-    });
-    println!("full, N = 1,000: {best:.0} ns with the best instructions, {baseline:.0} ns with those of every machine");
+    };
+    let [best, baseline] = [Instructions::best(), Instructions::baseline()].map(&mut full);
+    let avx2 = Instructions::avx2().map_or(f64::NAN, full);
+    println!(
+        "full, N = 1,000: {best:.0} ns with the best instructions, {avx2:.0} with AVX2, {baseline:.0} with the least"
+    );
 }
 
 fn cores(ours: &Ours) {
     let mut crowd = ours.crowd(10_000, 2);
-    let mut works = [workspace(true), workspace(true)];
+    let mut works = [Workspace::default(), Workspace::default()];
     let (mut one, mut two) = (Vec::new(), Vec::new());
     for _ in 0..2 * TURNS {
         one.push(wall_time(4, || ours.frame(&mut crowd, &mut works[0], Until::Written)));
@@ -138,7 +142,7 @@ fn cores(ours: &Ours) {
 fn shorts(body: &Body) {
     let ours = Ours::new(body, Precision::Short);
     let (short, float) = (ours.walk_report(), Ours::new(body, Precision::Float).walk_report());
-    let (mut crowd, mut work) = (ours.crowd(1_000, 2), workspace(true));
+    let (mut crowd, mut work) = (ours.crowd(1_000, 2), Workspace::default());
     let lap = |_| time(WORK / 1_000, || ours.frame(&mut crowd, &mut work, Until::Written)) / 1_000.0;
     let nanoseconds = median(&mut (0..TURNS).map(lap).collect::<Vec<_>>());
     let error = short.max_error * 1e3;

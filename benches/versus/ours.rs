@@ -5,8 +5,8 @@ use std::thread;
 use bevy::math::{Quat, Vec3};
 use surefoot::anim::{
     block::{
-        Actor, Goal, Instructions, Layer, LimbJoints, Play, Precision, RowSource, RowsReport, Species, SpeciesParts,
-        Until, Workspace, pose_until,
+        Actor, Goal, Layer, LimbJoints, Play, Precision, RowSource, RowsReport, Species, SpeciesParts, Until,
+        Workspace, pose_until,
     },
     clip::Clip,
     ik::two_bone::Extension,
@@ -118,8 +118,3 @@ impl Ours {
 
 /// Characters that a task takes at once.
 const CHUNK: usize = 64;
-
-/// Memory for blocks with the best instructions of this machine, or with those that all have.
-pub(crate) fn workspace(best: bool) -> Workspace {
-    Workspace::with(if best { Instructions::best() } else { Instructions::baseline() })
-}

@@ -3,6 +3,7 @@
 use bevy::math::{Quat, Vec3};
 
 use super::{
+    aligned::Rows32,
     frames::Frames,
     lanes::{LANES, Row},
     rows::RowSource,
@@ -19,7 +20,7 @@ pub(super) struct Channels {
     pub(super) translations: Vec<JointIndex>,
     pub(super) scales: Vec<JointIndex>,
     /// The row of the rest pose.
-    pub(super) rest: Vec<Row>,
+    pub(super) rest: Rows32,
 }
 
 /// What a joint does at one moment, between frames.
@@ -48,9 +49,10 @@ impl Channels {
             }
         }
         let moving = |kind: usize| skeleton.joints().filter(|joint| moves[joint.index()][kind]).collect::<Vec<_>>();
-        let mut channels = Self { rotations: moving(0), translations: moving(1), scales: moving(2), rest: vec![] };
+        let mut channels =
+            Self { rotations: moving(0), translations: moving(1), scales: moving(2), rest: Rows32::default() };
         let moment = |joint: JointIndex| Moment::new(frames, joint, skeleton.rest()[joint.index()], false);
-        channels.rest = channels.row(moment);
+        channels.rest = channels.row(moment).into_iter().collect();
         channels
     }
 
@@ -92,7 +94,7 @@ impl Channels {
     }
 
     /// One weight a number; one vector for eight rotations.
-    pub(super) fn mask_row(&self, mask: &[f32]) -> Vec<Row> {
+    pub(super) fn mask_row(&self, mask: &[f32]) -> Rows32 {
         let mut row = vec![[0.0; LANES]; self.width() - 3 * self.tiles()];
         let numbers = row.as_flattened_mut();
         for (number, joint) in numbers.iter_mut().zip(&self.rotations) {
@@ -104,7 +106,7 @@ impl Channels {
                 numbers[start + place] = mask[joint.index()];
             }
         }
-        row
+        row.into_iter().collect()
     }
 
     /// Where translations and scales begin, and whose they are.

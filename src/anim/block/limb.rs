@@ -152,7 +152,10 @@ fn off<S: Simd>(vector: Vec3s<S>, axis: Vec3s<S>) -> Vec3s<S> {
 /// [`soften`] in each lane. Few limbs are stretched so far that it costs more than a comparison.
 #[inline(always)]
 fn softened<S: Simd>(wanted: Floats<S>, length: Floats<S>, extension: Extension) -> Floats<S> {
-    let mut reach = wanted;
+    let mut reach = wanted.min(length * extension.hard);
+    if wanted.simd_le(length * extension.soft).all_true() {
+        return reach;
+    }
     for lane in 0..LANES {
         reach[lane] = soften(wanted[lane], length[lane], extension);
     }

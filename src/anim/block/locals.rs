@@ -7,6 +7,7 @@ use fearless_simd::{Simd, dispatch, prelude::*};
 
 use super::{
     Instructions, Layer, Play, Precision,
+    aligned::Rows32,
     channels::{Channels, rotation_place},
     frames::Frames,
     lanes::{LANES, Row, load},
@@ -44,8 +45,8 @@ struct Watched {
 pub struct LocalWorkspace {
     instructions: Instructions,
     plan: Plan,
-    layer: Vec<Row>,
-    row: Vec<Row>,
+    layer: Rows32,
+    row: Rows32,
 }
 
 impl LocalWorkspace {
@@ -126,9 +127,8 @@ impl ClipSet {
         let layers = [Layer { weight: 1.0, clips: plays, ..Layer::default() }];
         work.plan.make(&self.tracks, &layers);
         let width = self.tracks.channels.width();
-        for rows in [&mut work.layer, &mut work.row] {
-            rows.resize(rows.len().max(width), [0.0; LANES]);
-        }
+        work.layer.grow(width);
+        work.row.grow(width);
         let LocalWorkspace { instructions, plan, layer, row } = work;
         dispatch!(instructions.0, simd => self.run(simd, plan, (&mut layer[..width], &mut row[..width]), out));
         true

@@ -17,6 +17,7 @@
 //! ```
 //! The sizes are those of 67 joints. A block works in the first and second cache, clips stay in the second.
 
+mod aligned;
 mod channels;
 mod frames;
 mod lanes;
@@ -33,9 +34,10 @@ use bevy::math::{Quat, Vec3};
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::skin::JointMatrix;
-use lanes::{LANES, Row};
+use aligned::Rows32;
+use lanes::LANES;
 pub use locals::{ClipSet, LocalWorkspace};
-use model::{JointRows, Lanes};
+use model::Lanes;
 pub use rows::{Precision, RowSource, Rows, RowsReport};
 pub use species::{LimbJoints, Species, SpeciesError, SpeciesParts};
 
@@ -113,14 +115,19 @@ pub enum Until {
 pub struct Instructions(Level);
 
 impl Instructions {
-    /// The best that this machine has, up to AVX2.
+    /// The best that this machine has. Lanes are eight even with AVX-512, whose many registers still save a tenth.
     #[must_use]
     pub fn best() -> Self {
-        let level = Level::new();
-        // AVX-512 has nothing to add to eight lanes.
+        Self(Level::new())
+    }
+
+    /// AVX2, where this machine has it.
+    #[must_use]
+    pub fn avx2() -> Option<Self> {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        let level = level.as_avx2().map_or(level, Level::Avx2);
-        Self(level)
+        return Level::new().as_avx2().map(|avx2| Self(Level::Avx2(avx2)));
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+        None
     }
 
     /// Those that every machine of the target has: SSE2 on x86-64.
@@ -141,10 +148,11 @@ impl Default for Instructions {
 pub struct Workspace {
     instructions: Instructions,
     plan: sample::Plan,
-    layer: Vec<Row>,
-    poses: Vec<Row>,
+    layer: Rows32,
+    poses: Rows32,
     lanes: Lanes,
-    joints: Vec<JointRows>,
+    /// [`JointRows`](model::JointRows), twelve rows each.
+    joints: Rows32,
     /// Palettes of lanes that nobody has.
     spare: Vec<JointMatrix>,
 }
@@ -158,14 +166,11 @@ impl Workspace {
 
     fn fit(&mut self, species: &Species) {
         let (width, channels) = (species.tracks.channels.width(), &species.tracks.channels);
-        let grow = |rows: &mut Vec<Row>, len: usize| rows.resize(rows.len().max(len), [0.0; LANES]);
-        grow(&mut self.layer, width);
-        grow(&mut self.poses, width * LANES);
-        grow(&mut self.lanes.numbers, (width - channels.translation_start()) * LANES);
-        let turns = self.lanes.turns.len().max(channels.tiles() * LANES);
-        self.lanes.turns.resize(turns, Default::default());
-        let joints = self.joints.len().max(species.joint_count() + 1);
-        self.joints.resize(joints, JointRows::default());
+        self.layer.grow(width);
+        self.poses.grow(width * LANES);
+        self.lanes.numbers.grow((width - channels.translation_start()) * LANES);
+        self.lanes.turns.grow(channels.tiles() * 4 * LANES);
+        self.joints.grow(species.places() * 12);
         self.spare.resize(self.spare.len().max(species.slots.len() * LANES), JointMatrix::IDENTITY);
     }
 }
@@ -199,7 +204,8 @@ fn run<S: Simd>(
     until: Until,
 ) {
     work.fit(species);
-    model::place_roots(simd, species, &mut work.joints);
+    let joints = work.joints.as_chunks_mut::<3>().0.as_chunks_mut::<4>().0;
+    model::place_roots(simd, species, joints);
     let (tracks, width) = (&species.tracks, species.tracks.channels.width());
     for block in actors.chunks(LANES) {
         for (actor, pose) in block.iter().zip(work.poses.chunks_mut(width.max(1))) {
@@ -209,11 +215,12 @@ fn run<S: Simd>(
         if until == Until::Sampled {
             continue;
         }
-        sample::transpose_rows(simd, tracks, &work.poses, &mut work.lanes.turns, &mut work.lanes.numbers);
+        let turns = work.lanes.turns.as_chunks_mut::<4>().0;
+        sample::transpose_rows(simd, tracks, &work.poses, turns, &mut work.lanes.numbers);
         let reaching = if until == Until::Modelled { &[] } else { block };
-        model::place_joints(simd, species, &work.lanes, &mut work.joints, reaching);
+        model::place_joints(simd, species, &work.lanes, joints, reaching);
         if until == Until::Written {
-            palette::write(simd, species, &work.joints, block, matrices, &mut work.spare);
+            palette::write(simd, species, joints, block, matrices, &mut work.spare);
         }
     }
 }

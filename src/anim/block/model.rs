@@ -6,6 +6,7 @@ use fearless_simd::Simd;
 
 use super::{
     Actor,
+    aligned::Rows32,
     lanes::{Floats, Mat3s, Quats, Row, Vec3s, load, store},
     limb,
     species::{Joint, Species, Track},
@@ -18,9 +19,16 @@ pub(super) type JointRows = [[Row; 3]; 4];
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lanes {
     /// Rotations of those that move, one after the other.
-    pub(super) turns: Vec<[Row; 4]>,
+    pub(super) turns: Rows32,
     /// Translations and scales, one number after the other.
-    pub(super) numbers: Vec<Row>,
+    pub(super) numbers: Rows32,
+}
+
+impl Lanes {
+    #[inline(always)]
+    fn turn<S: Simd>(&self, simd: S, place: usize) -> Mat3s<S> {
+        Mat3s::from_any_quats(simd, Quats::load(simd, &self.turns.as_chunks::<4>().0[place]))
+    }
 }
 
 /// Where a joint is, in all lanes.
@@ -70,8 +78,7 @@ pub(super) fn place_joints<S: Simd>(
         let translation = translation(simd, species, lanes, joint);
         match (&joint.rotation, &joint.scale) {
             (Track::Moving(place), Track::Identity) => {
-                let turn = Mat3s::from_any_quats(simd, Quats::load(simd, &lanes.turns[*place]));
-                place_joint(simd, parent, Some(&turn), translation, own);
+                place_joint(simd, parent, Some(&lanes.turn(simd, *place)), translation, own);
             }
             (Track::Identity, Track::Identity) => place_joint(simd, parent, None, translation, own),
             _ => place_joint(simd, parent, Some(&local(simd, species, lanes, joint)), translation, own),
@@ -111,7 +118,7 @@ fn local<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint) -> M
     let turn = match &joint.rotation {
         Track::Identity => Mat3s::from_quats(simd, Quats::identity(simd)),
         Track::Still(matrix) => Mat3s::splat(simd, *matrix),
-        Track::Moving(place) => Mat3s::from_any_quats(simd, Quats::load(simd, &lanes.turns[*place])),
+        Track::Moving(place) => lanes.turn(simd, *place),
     };
     match &joint.scale {
         Track::Identity => turn,

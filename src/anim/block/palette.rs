@@ -8,7 +8,7 @@ use super::{
     Actor,
     lanes::{Floats, LANES, Mat3s, Vec3s, load},
     model::{JointRows, Placed},
-    species::Species,
+    species::{Rest, Species},
     transpose::transpose_halves,
 };
 use crate::anim::skin::JointMatrix;
@@ -18,7 +18,7 @@ use crate::anim::skin::JointMatrix;
 pub(super) fn write<S: Simd>(
     simd: S,
     species: &Species,
-    joints: &[JointRows],
+    joints: &mut [JointRows],
     actors: &[Actor],
     matrices: &mut [JointMatrix],
     spare: &mut [JointMatrix],
@@ -44,15 +44,11 @@ pub(super) fn write<S: Simd>(
     if [&a, &b, &c, &d, &e, &f, &g, &h].iter().any(|palette| palette.len() < count) {
         return;
     }
+    place_rests(simd, species, joints);
     let (a, b, c, d) = (&mut a[..count], &mut b[..count], &mut c[..count], &mut d[..count]);
     let (e, f, g, h) = (&mut e[..count], &mut f[..count], &mut g[..count], &mut h[..count]);
     for (index, slot) in species.slots.iter().enumerate().take(count) {
-        let joint = match slot.rest {
-            None => &joints[slot.joint],
-            Some(rest) => &with_rest(simd, &joints[slot.joint], rest, slot.offset),
-        };
-        let offset = if slot.rest.is_some() { [0.0; 3] } else { slot.offset };
-        let [ae, bf, cg, dh] = pairs(simd, joint, offset);
+        let [ae, bf, cg, dh] = pairs(simd, &joints[slot.joint], slot.offset);
         store(ae, &mut a[index], &mut e[index]);
         store(bf, &mut b[index], &mut f[index]);
         store(cg, &mut c[index], &mut g[index]);
@@ -83,16 +79,6 @@ fn pairs<S: Simd>(simd: S, joint: &JointRows, offset: [f32; 3]) -> [[Floats<S>; 
     [[a, e, i], [b, f, j], [c, g, k], [d, h, l]]
 }
 
-/// A joint with what is left of the inverse bind matrix: `offset` first, then `rest`.
-#[inline(always)]
-fn with_rest<S: Simd>(simd: S, joint: &JointRows, rest: [[f32; 3]; 3], offset: [f32; 3]) -> JointRows {
-    let placed = Placed::load(simd, joint);
-    let position = placed.matrix.moved(Vec3s::splat(simd, offset), placed.position);
-    let mut turned = JointRows::default();
-    Placed { matrix: placed.matrix.times(&Mat3s::splat(simd, rest)), position }.store(&mut turned);
-    turned
-}
-
 /// One row of the matrix of eight characters, the first beside the fifth and so on: the joint's row, and where `offset` of the
 /// joint is.
 #[inline(always)]
@@ -100,4 +86,14 @@ fn rows<S: Simd>(simd: S, joint: &JointRows, row: usize, offset: [f32; 3]) -> [F
     let axes = Vec3s::load(simd, &joint[row]);
     let place = axes.dot_plus(Vec3s::splat(simd, offset), load(simd, &joint[3][row]));
     transpose_halves(simd, [axes.x, axes.y, axes.z, place])
+}
+
+/// Places joints with what is left of their inverse bind matrix, as if they were joints of their own.
+#[inline(always)]
+fn place_rests<S: Simd>(simd: S, species: &Species, joints: &mut [JointRows]) {
+    for Rest { joint, place, offset, matrix } in &species.rests {
+        let placed = Placed::load(simd, &joints[*joint]);
+        let position = placed.matrix.moved(Vec3s::splat(simd, *offset), placed.position);
+        Placed { matrix: placed.matrix.times(&Mat3s::splat(simd, *matrix)), position }.store(&mut joints[*place]);
+    }
 }

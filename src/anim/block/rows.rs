@@ -12,6 +12,7 @@
 use bevy::math::{Quat, Vec3};
 
 use super::{
+    aligned::Rows32,
     channels::{Channels, Moment, rotation_place},
     frames::Frames,
     lanes::{LANES, Row},
@@ -90,7 +91,7 @@ pub(super) enum RowData {
 /// Rows as they are.
 #[derive(Clone, Debug)]
 pub(super) struct FloatRows {
-    pub(super) values: Vec<Row>,
+    pub(super) values: Rows32,
     /// Vectors from frame to frame.
     pub(super) width: usize,
 }
@@ -105,8 +106,8 @@ impl FloatRows {
 #[derive(Clone, Debug)]
 pub(super) struct ShortRows {
     pub(super) values: Vec<[i16; LANES]>,
-    pub(super) factors: Vec<Row>,
-    pub(super) offsets: Vec<Row>,
+    pub(super) factors: Rows32,
+    pub(super) offsets: Rows32,
     /// Vectors of eight rotations: 3, or 4 where w is stored too.
     pub(super) parts: usize,
     /// Vectors from frame to frame.
@@ -151,7 +152,10 @@ impl Rows {
             looping: clip.looping,
             rate: clip.frame_rate(),
             count: floats.len(),
-            data: RowData::Float(FloatRows { values: floats.concat(), width: channels.width() }),
+            data: RowData::Float(FloatRows {
+                values: floats.iter().flatten().copied().collect(),
+                width: channels.width(),
+            }),
             report: RowsReport { bytes: floats.len() * channels.width() * size_of::<Row>(), max_error: 0.0 },
         };
         if source.precision == Precision::Float || exact.count == 0 {
@@ -223,11 +227,9 @@ impl Rows {
 impl RowData {
     fn bytes(&self) -> usize {
         match self {
-            Self::Float(rows) => size_of_val(rows.values.as_slice()),
+            Self::Float(rows) => size_of_val(&*rows.values),
             Self::Short(rows) => {
-                size_of_val(rows.values.as_slice())
-                    + size_of_val(rows.factors.as_slice())
-                    + size_of_val(rows.offsets.as_slice())
+                size_of_val(rows.values.as_slice()) + size_of_val(&*rows.factors) + size_of_val(&*rows.offsets)
             }
         }
     }
@@ -273,6 +275,7 @@ impl ShortRows {
                 values.push(core::array::from_fn(|lane| steps((row[*vector][lane] - offset[lane]) / factor[lane])));
             }
         }
+        let (factors, offsets) = (factors.into_iter().collect(), offsets.into_iter().collect());
         Self { values, factors, offsets, parts, width: stored.len() }
     }
 }

@@ -3,9 +3,9 @@
 use bevy::math::{Affine3A, Mat3, Vec3};
 
 use super::{
+    aligned::Rows32,
     channels::Channels,
     frames::Frames,
-    lanes::Row,
     rows::{RowSource, Rows},
 };
 use crate::anim::{
@@ -96,6 +96,7 @@ pub struct Species {
     pub(super) above_roots: [[f32; 4]; 3],
     pub(super) joints: Vec<Joint>,
     pub(super) slots: Vec<Slot>,
+    pub(super) rests: Vec<Rest>,
     pub(super) limbs: Vec<Limb>,
     pub(super) tracks: Tracks,
     frames: Frames,
@@ -106,7 +107,7 @@ pub struct Species {
 pub(super) struct Tracks {
     pub(super) channels: Channels,
     pub(super) clips: Vec<Rows>,
-    pub(super) masks: Vec<Vec<Row>>,
+    pub(super) masks: Vec<Rows32>,
 }
 
 /// Constants of a joint.
@@ -138,12 +139,22 @@ pub(super) enum Track<T> {
 /// Constants of a palette slot.
 #[derive(Clone, Debug)]
 pub(super) struct Slot {
-    /// Place of the joint's matrix, as [`Joint::parent`].
+    /// Place of the joint's matrix, as [`Joint::parent`]; or behind those of all joints, of a [`Rest`].
     pub(super) joint: usize,
     /// Inverse bind translation in the joint's frame.
     pub(super) offset: [f32; 3],
-    /// What is left of the inverse bind matrix, where it is not the frame's inverse.
-    pub(super) rest: Option<[[f32; 3]; 3]>,
+}
+
+/// What is left of an inverse bind matrix that is not its joint's frame's inverse.
+#[derive(Clone, Debug)]
+pub(super) struct Rest {
+    /// Place of the joint's matrix, as [`Joint::parent`].
+    pub(super) joint: usize,
+    /// Where the joint's matrix with this one goes.
+    pub(super) place: usize,
+    /// Inverse bind translation in the joint's frame.
+    pub(super) offset: [f32; 3],
+    pub(super) matrix: [[f32; 3]; 3],
 }
 
 /// Constants of a limb. Places as [`Joint::parent`].
@@ -179,17 +190,25 @@ impl Species {
         for (index, limb) in limbs.iter().enumerate() {
             joints[limb.end - 1].ends = Some(index);
         }
+        let mut rests = Vec::new();
         let slots = parts.skin.joints.iter().zip(&parts.skin.inverse_bind);
+        let slots = slots.map(|(joint, inverse)| Slot::new(&frames, *joint, inverse, &mut rests)).collect();
         let clips = parts.clips.iter().map(|source| Rows::new(skeleton, &frames, &channels, source)).collect();
         let masks = parts.masks.iter().map(|mask| channels.mask_row(mask)).collect();
         Ok(Self {
             above_roots: rows_with(root_turn, root.translation.into()),
             joints,
-            slots: slots.map(|(joint, inverse)| Slot::new(&frames, *joint, inverse)).collect(),
+            slots,
+            rests,
             limbs,
             tracks: Tracks { channels, clips, masks },
             frames,
         })
+    }
+
+    /// How many matrices blocks place: what is above the roots, joints, and those with a rest.
+    pub(super) fn places(&self) -> usize {
+        1 + self.joints.len() + self.rests.len()
     }
 
     /// How many joints a character has.
@@ -270,14 +289,16 @@ impl Joint {
 }
 
 impl Slot {
-    fn new(frames: &Frames, joint: JointIndex, inverse_bind: &Affine3A) -> Self {
+    fn new(frames: &Frames, joint: JointIndex, inverse_bind: &Affine3A, rests: &mut Vec<Rest>) -> Self {
         let frame = frames.joints[joint.index()].matrix();
         let rest = frame * Mat3::from(inverse_bind.matrix3);
-        Self {
-            joint: joint.index() + 1,
-            offset: (frame * Vec3::from(inverse_bind.translation)).to_array(),
-            rest: (!rest.abs_diff_eq(Mat3::IDENTITY, SAME)).then(|| rows(rest)),
+        let (joint, offset) = (joint.index() + 1, (frame * Vec3::from(inverse_bind.translation)).to_array());
+        if rest.abs_diff_eq(Mat3::IDENTITY, SAME) {
+            return Self { joint, offset };
         }
+        let place = 1 + frames.joints.len() + rests.len();
+        rests.push(Rest { joint, place, offset, matrix: rows(rest) });
+        Self { joint: place, offset: [0.0; 3] }
     }
 }
 

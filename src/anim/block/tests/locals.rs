@@ -2,10 +2,10 @@
 
 use proptest::prelude::*;
 
-use super::{plays, reference::body};
+use super::{all_instructions, plays, reference::body};
 use crate::anim::{
     blend::Accumulator,
-    block::{ClipSet, Instructions, LocalWorkspace},
+    block::{ClipSet, LocalWorkspace},
     skeleton::JointTransform,
 };
 
@@ -31,7 +31,7 @@ proptest! {
             blend.add(&sampled, play.weight);
         }
         let heard = blend.finish();
-        for instructions in [Instructions::best(), Instructions::baseline()] {
+        for instructions in all_instructions() {
             let mut got = skeleton.rest().to_vec();
             prop_assert_eq!(set.sample(&plays, &mut LocalWorkspace::with(instructions), &mut got), heard);
             let off = difference(&got, &wanted);
