@@ -102,7 +102,8 @@ impl Ours {
         until: Until,
     ) {
         for play in plays.as_flattened_mut() {
-            play.time = (play.time + 1.0 / 60.0) % self.durations[play.clip];
+            let (time, duration) = (play.time + 1.0 / 60.0, self.durations[play.clip]);
+            play.time = if time < duration { time } else { time - duration };
         }
         let mut layers = [[Layer::default()]; CHUNK];
         for (layer, plays) in layers.iter_mut().zip(plays.iter()) {

@@ -117,12 +117,12 @@ fn place_joint<S: Simd>(
 fn local<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint) -> Mat3s<S> {
     let turn = match &joint.rotation {
         Track::Identity => Mat3s::from_quats(simd, Quats::identity(simd)),
-        Track::Still(matrix) => Mat3s::splat(simd, *matrix),
+        Track::Still(matrix) => Mat3s::splat(simd, **matrix),
         Track::Moving(place) => lanes.turn(simd, *place),
     };
     match &joint.scale {
         Track::Identity => turn,
-        Track::Still(matrix) => turn.times(&Mat3s::splat(simd, *matrix)),
+        Track::Still(matrix) => turn.times(&Mat3s::splat(simd, **matrix)),
         Track::Moving(place) => turn.times(&scale(simd, species, lanes, joint, *place)),
     }
 }
@@ -140,7 +140,7 @@ fn translation<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint
 #[inline(always)]
 fn scale<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint, place: usize) -> Mat3s<S> {
     let scale = vector(simd, lanes, place, species.tracks.channels.scales.len());
-    let [xx, yy, zz, xy, xz, yz] = joint.scale_parts;
+    let [xx, yy, zz, xy, xz, yz] = *joint.scale_parts;
     let (xy, xz, yz) = (part(simd, scale, xy), part(simd, scale, xz), part(simd, scale, yz));
     Mat3s([
         Vec3s::new(part(simd, scale, xx), xy, xz),

@@ -51,6 +51,7 @@ impl Pass {
 }
 
 impl Plan {
+    #[inline(always)]
     pub(super) fn make(&mut self, tracks: &Tracks, layers: &[Layer]) {
         self.spans.clear();
         self.passes.clear();
@@ -79,6 +80,7 @@ impl Plan {
 
 impl Rows {
     /// The frames around `time` seconds and the way between them; as [`Clip::span`](crate::anim::clip::Clip::span).
+    #[inline(always)]
     pub(super) fn span(&self, time: f32) -> (usize, usize, f32) {
         let inside = (0.0..=self.duration).contains(&time);
         let time = match () {

@@ -110,17 +110,20 @@ pub(super) struct Tracks {
     pub(super) masks: Vec<Rows32>,
 }
 
-/// Constants of a joint.
+/// Its rows.
+pub(super) type Matrix = [[f32; 3]; 3];
+
+/// Constants of a joint. What few joints need is kept elsewhere: all of them are read for every block.
 #[derive(Clone, Debug)]
 pub(super) struct Joint {
     /// Place of the parent's matrix: 0 is what stands above the roots, 1 the first joint.
     pub(super) parent: usize,
-    pub(super) rotation: Track<[[f32; 3]; 3]>,
+    pub(super) rotation: Track<Box<Matrix>>,
     pub(super) translation: Track<[f32; 3]>,
-    pub(super) scale: Track<[[f32; 3]; 3]>,
+    pub(super) scale: Track<Box<Matrix>>,
     /// What the scales along the joint's axes are multiplied with and add up to in the matrix between frames, which is
     /// symmetric: its elements xx, yy, zz, xy, xz, yz.
-    pub(super) scale_parts: [[f32; 3]; 6],
+    pub(super) scale_parts: Box<[[f32; 3]; 6]>,
     /// The limb that ends here.
     pub(super) ends: Option<usize>,
 }
@@ -154,7 +157,7 @@ pub(super) struct Rest {
     pub(super) place: usize,
     /// Inverse bind translation in the joint's frame.
     pub(super) offset: [f32; 3],
-    pub(super) matrix: [[f32; 3]; 3],
+    pub(super) matrix: Matrix,
 }
 
 /// Constants of a limb. Places as [`Joint::parent`].
@@ -282,7 +285,7 @@ impl Joint {
                 .translation_place(joint)
                 .map_or(Track::Still(frames.translation(joint, rest.translation).to_array()), Track::Moving),
             scale: channels.scale_place(joint).map_or(Track::still(scale), Track::Moving),
-            scale_parts: [x * x, y * y, z * z, x * y, x * z, y * z].map(|part| (part * ratio).to_array()),
+            scale_parts: Box::new([x * x, y * y, z * z, x * y, x * z, y * z].map(|part| (part * ratio).to_array())),
             ends: None,
         }
     }
@@ -302,9 +305,9 @@ impl Slot {
     }
 }
 
-impl Track<[[f32; 3]; 3]> {
+impl Track<Box<Matrix>> {
     fn still(matrix: Mat3) -> Self {
-        if matrix.abs_diff_eq(Mat3::IDENTITY, SAME) { Self::Identity } else { Self::Still(rows(matrix)) }
+        if matrix.abs_diff_eq(Mat3::IDENTITY, SAME) { Self::Identity } else { Self::Still(Box::new(rows(matrix))) }
     }
 }
 
@@ -325,7 +328,7 @@ fn limb_of(skeleton: &Skeleton, joints: &LimbJoints) -> Limb {
     }
 }
 
-fn rows(matrix: Mat3) -> [[f32; 3]; 3] {
+fn rows(matrix: Mat3) -> Matrix {
     matrix.transpose().to_cols_array_2d()
 }
 
