@@ -269,11 +269,9 @@ impl<S: Simd> Quats<S> {
         )
     }
 
-    /// The least rotation that turns direction `from` into `to`; a zero vector gives the identity.
+    /// The least rotation that turns unit vector `from` into `to`.
     #[inline(always)]
     pub(super) fn shortest_arc(simd: S, from: Vec3s<S>, to: Vec3s<S>) -> Self {
-        let zero = Vec3s::splat(simd, [0.0; 3]);
-        let (from, to) = (from.direction_or(simd, zero), to.direction_or(simd, zero));
         let (cos, cross) = (from.dot(to), from.cross(to));
         let arc = Self::new(cross.x, cross.y, cross.z, cos + 1.0).normalized_or_identity(simd);
         let (opposite, half) = (cos.simd_lt(splat(simd, OPPOSITE)), from.any_perpendicular(simd));
@@ -297,12 +295,11 @@ impl<S: Simd> Mat3s<S> {
         Self::from_scaled_quats(simd, q, splat(simd, 2.0))
     }
 
-    /// Of quaternions of any length; the identity where they have none.
+    /// Of quaternions of any length; the identity where they have none, and something near it where they have hardly any.
     #[inline(always)]
     pub(super) fn from_any_quats(simd: S, q: Quats<S>) -> Self {
         let squared = q.dot(q);
-        let has = squared.simd_gt(splat(simd, TINIEST_SQUARED));
-        Self::from_scaled_quats(simd, q, select::<S>(has, splat(simd, 2.0) / squared, splat(simd, 0.0)))
+        Self::from_scaled_quats(simd, q, splat(simd, 2.0) / squared.max(TINIEST_SQUARED))
     }
 
     /// `scale` is two over the squared length.

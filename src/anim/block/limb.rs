@@ -114,17 +114,20 @@ fn solve<S: Simd>(simd: S, limb: &Animated<S>, target: Vec3s<S>, extension: Exte
     let swing = Quats::shortest_arc(simd, old_axis, new_axis);
     let swing_matrix = Mat3s::from_quats(simd, swing);
     let zero = Vec3s::splat(simd, [0.0; 3]);
+    // At right angles to the new axis, as it was to the old one.
     let bend = swing_matrix.moved(bend_direction(simd, upper, limb.pole, old_axis), zero);
-    let bend = off(bend, new_axis).direction_or(simd, new_axis.any_perpendicular(simd));
     let cos = (a * a + reach * reach - b * b) / (a * reach * 2.0);
     let cos = cos.max(-1.0).min(1.0);
     let sin = (one - cos * cos).max(0.0).sqrt();
     let middle = limb.root.plus(new_axis.times(a * cos)).plus(bend.times(a * sin));
     let end = limb.root.plus(new_axis.times(reach));
     let (swung_upper, swung_lower) = (swing_matrix.moved(upper, zero), swing_matrix.moved(lower, zero));
+    // Bones keep their lengths.
+    let (per_a, per_b) = (one / a, one / b);
+    let (new_upper, new_lower) = (middle.minus(limb.root).times(per_a), end.minus(middle).times(per_b));
     Solved {
-        upper: Quats::shortest_arc(simd, swung_upper, middle.minus(limb.root)).after(swing),
-        lower: Quats::shortest_arc(simd, swung_lower, end.minus(middle)).after(swing),
+        upper: Quats::shortest_arc(simd, swung_upper.times(per_a), new_upper).after(swing),
+        lower: Quats::shortest_arc(simd, swung_lower.times(per_b), new_lower).after(swing),
         middle,
         end,
         possible,
@@ -136,9 +139,13 @@ fn solve<S: Simd>(simd: S, limb: &Animated<S>, target: Vec3s<S>, extension: Exte
 fn bend_direction<S: Simd>(simd: S, upper: Vec3s<S>, pole: Vec3s<S>, axis: Vec3s<S>) -> Vec3s<S> {
     let one = splat(simd, 1.0);
     let off_axis = off(upper, axis);
-    let pole = off(pole, axis).direction_or(simd, axis.any_perpendicular(simd));
-    let sine = off_axis.length() / upper.length();
+    let length = off_axis.length();
+    let sine = length / upper.length();
     let share = (sine * (1.0 / STRAIGHT) - 1.0).max(0.0).min(1.0);
+    if share.simd_ge(one).all_true() {
+        return off_axis.times(one / length);
+    }
+    let pole = off(pole, axis).direction_or(simd, axis.any_perpendicular(simd));
     let bent = off_axis.direction_or(simd, pole);
     pole.times(one - share).plus(bent.times(share)).direction_or(simd, bent)
 }
