@@ -8,8 +8,8 @@
 //! clips          one row a frame, runs of joints                      shared by all       rows
 //!   │ sample + blend + layers: lanes = joints, character by character                     sample
 //! poses          [character][x8 y8 z8 w8 | … | translations | scales] 8 × 1.2 KB
-//!   │ transpose
-//! lanes          [joint][x y z w][character], [number][character]     10 KB
+//!   │ transpose, eight joints at a time
+//! lanes          [joint][x y z w][character], [number][character]     1 KB
 //!   │ model: lanes = characters, parents first; limbs when their end is reached           model, limb
 //! matrices       [joint][9 of the matrix, 3 of the position][character]   26 KB
 //!   │ palette: rows of each slot, turned to characters                                    palette
@@ -150,7 +150,8 @@ pub struct Workspace {
     plan: sample::Plan,
     layer: Rows32,
     poses: Rows32,
-    lanes: Lanes,
+    /// Translations and scales, one number after the other: lanes = characters.
+    numbers: Rows32,
     /// [`JointRows`](model::JointRows), twelve rows each.
     joints: Rows32,
     /// Palettes of lanes that nobody has.
@@ -168,8 +169,7 @@ impl Workspace {
         let (width, channels) = (species.tracks.channels.width(), &species.tracks.channels);
         self.layer.grow(width);
         self.poses.grow(width * LANES);
-        self.lanes.numbers.grow((width - channels.translation_start()) * LANES);
-        self.lanes.turns.grow(channels.tiles() * 4 * LANES);
+        self.numbers.grow((width - channels.translation_start()) * LANES);
         self.joints.grow(species.places() * 12);
         self.spare.resize(self.spare.len().max(species.slots.len() * LANES), JointMatrix::IDENTITY);
     }
@@ -215,10 +215,10 @@ fn run<S: Simd>(
         if until == Until::Sampled {
             continue;
         }
-        let turns = work.lanes.turns.as_chunks_mut::<4>().0;
-        sample::transpose_rows(simd, tracks, &work.poses, turns, &mut work.lanes.numbers);
+        sample::transpose_numbers(simd, tracks, &work.poses, &mut work.numbers);
+        let lanes = Lanes { poses: &work.poses, numbers: &work.numbers };
         let reaching = if until == Until::Modelled { &[] } else { block };
-        model::place_joints(simd, species, &work.lanes, joints, reaching);
+        model::place_joints(simd, species, &lanes, joints, reaching);
         if until == Until::Written {
             palette::write(simd, species, joints, block, matrices, &mut work.spare);
         }

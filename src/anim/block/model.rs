@@ -6,28 +6,42 @@ use fearless_simd::Simd;
 
 use super::{
     Actor,
-    aligned::Rows32,
-    lanes::{Floats, Mat3s, Quats, Row, Vec3s, load, store},
+    lanes::{Floats, LANES, Mat3s, Quats, Row, Vec3s, load, store},
     limb,
+    sample::transpose_turns,
     species::{Joint, Species, Track},
 };
 
 /// A joint of eight characters: three rows of its matrix, then its position.
 pub(super) type JointRows = [[Row; 3]; 4];
 
-/// What joints do, in all lanes.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Lanes {
-    /// Rotations of those that move, one after the other.
-    pub(super) turns: Rows32,
-    /// Translations and scales, one number after the other.
-    pub(super) numbers: Rows32,
+/// What joints do.
+#[derive(Clone, Copy)]
+pub(super) struct Lanes<'a> {
+    /// Rows of eight characters.
+    pub(super) poses: &'a [Row],
+    /// Translations and scales, one number after the other, in all lanes.
+    pub(super) numbers: &'a [Row],
 }
 
-impl Lanes {
+/// Rotations of eight joints, in all lanes.
+#[derive(Default)]
+#[repr(C, align(32))]
+struct Turns {
+    rotations: [[Row; 4]; LANES],
+    tile: Option<usize>,
+}
+
+impl Turns {
+    /// The rotation at this place among those that move. Joints ask for them in order.
     #[inline(always)]
-    fn turn<S: Simd>(&self, simd: S, place: usize) -> Mat3s<S> {
-        Mat3s::from_any_quats(simd, Quats::load(simd, &self.turns.as_chunks::<4>().0[place]))
+    fn at<S: Simd>(&mut self, simd: S, species: &Species, lanes: &Lanes, place: usize) -> Mat3s<S> {
+        let tile = place / LANES;
+        if self.tile != Some(tile) {
+            transpose_turns(simd, lanes.poses, species.tracks.channels.width(), tile, &mut self.rotations);
+            self.tile = Some(tile);
+        }
+        Mat3s::from_any_quats(simd, Quats::load(simd, &self.rotations[place % LANES]))
     }
 }
 
@@ -72,16 +86,21 @@ pub(super) fn place_joints<S: Simd>(
     joints: &mut [JointRows],
     actors: &[Actor],
 ) {
+    let mut turns = Turns::default();
     for (index, joint) in species.joints.iter().enumerate() {
         let (above, own) = joints.split_at_mut(index + 1);
         let (parent, own) = (&above[joint.parent], &mut own[0]);
         let translation = translation(simd, species, lanes, joint);
         match (&joint.rotation, &joint.scale) {
             (Track::Moving(place), Track::Identity) => {
-                place_joint(simd, parent, Some(&lanes.turn(simd, *place)), translation, own);
+                let turn = turns.at(simd, species, lanes, *place);
+                place_joint(simd, parent, Some(&turn), translation, own);
             }
             (Track::Identity, Track::Identity) => place_joint(simd, parent, None, translation, own),
-            _ => place_joint(simd, parent, Some(&local(simd, species, lanes, joint)), translation, own),
+            _ => {
+                let local = local(simd, species, lanes, joint, &mut turns);
+                place_joint(simd, parent, Some(&local), translation, own);
+            }
         }
         if let Some(limb) = joint.ends
             && !actors.is_empty()
@@ -114,11 +133,11 @@ fn place_joint<S: Simd>(
 
 /// Rotation and scale of a joint as a matrix between frames.
 #[inline(always)]
-fn local<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint) -> Mat3s<S> {
+fn local<S: Simd>(simd: S, species: &Species, lanes: &Lanes, joint: &Joint, turns: &mut Turns) -> Mat3s<S> {
     let turn = match &joint.rotation {
         Track::Identity => Mat3s::from_quats(simd, Quats::identity(simd)),
         Track::Still(matrix) => Mat3s::splat(simd, **matrix),
-        Track::Moving(place) => lanes.turn(simd, *place),
+        Track::Moving(place) => turns.at(simd, species, lanes, *place),
     };
     match &joint.scale {
         Track::Identity => turn,

@@ -328,30 +328,32 @@ fn near<S: Simd>(simd: S, from: Quats<S>, to: Quats<S>, share: Floats<S>) -> Qua
     from.times(splat(simd, 1.0) - share).plus_times(to, side).normalized_or_identity(simd)
 }
 
-/// Rows of eight characters, each `width` long, become lanes: lanes = characters.
+/// Eight rotations of eight characters, whose rows are each `width` long, become lanes: lanes = characters.
 #[inline(always)]
-pub(super) fn transpose_rows<S: Simd>(
+pub(super) fn transpose_turns<S: Simd>(
     simd: S,
-    tracks: &Tracks,
     poses: &[Row],
-    turns: &mut [[Row; 4]],
-    numbers: &mut [Row],
+    width: usize,
+    tile: usize,
+    turns: &mut [[Row; 4]; LANES],
 ) {
-    let (tiles, width) = (tracks.channels.tiles(), tracks.channels.width());
-    for (tile, turns) in turns.as_chunks_mut::<LANES>().0.iter_mut().take(tiles).enumerate() {
-        for (part, vector) in (4 * tile..4 * tile + 4).enumerate() {
-            for half in 0..2 {
-                let columns = columns(simd, poses, width, vector, half);
-                for (slot, column) in columns.into_iter().enumerate() {
-                    store(column, &mut turns[4 * half + slot][part]);
-                }
+    for part in 0..4 {
+        for half in 0..2 {
+            let columns = columns(simd, poses, width, 4 * tile + part, half);
+            for (slot, column) in columns.into_iter().enumerate() {
+                store(column, &mut turns[4 * half + slot][part]);
             }
         }
     }
-    let numbers = numbers.as_chunks_mut::<LANES>().0;
-    for (vector, numbers) in numbers.iter_mut().take(width - 4 * tiles).enumerate() {
+}
+
+/// The same for all translations and scales.
+#[inline(always)]
+pub(super) fn transpose_numbers<S: Simd>(simd: S, tracks: &Tracks, poses: &[Row], numbers: &mut [Row]) {
+    let (first, width) = (tracks.channels.translation_start(), tracks.channels.width());
+    for (vector, numbers) in (first..width).zip(numbers.as_chunks_mut::<LANES>().0) {
         for half in 0..2 {
-            let columns = columns(simd, poses, width, 4 * tiles + vector, half);
+            let columns = columns(simd, poses, width, vector, half);
             for (place, column) in columns.into_iter().enumerate() {
                 store(column, &mut numbers[4 * half + place]);
             }
