@@ -8,8 +8,8 @@ use bevy::{ecs::system::SystemParam, prelude::*, tasks::ComputeTaskPool, utils::
 use super::{
     Character,
     animator::CharacterPose,
-    detail::{ClipsOnly, Mode, Pacing, stagger},
-    schedule::PoseClock,
+    detail::{ClipsOnly, Mode, Pacing},
+    schedule::{PoseClock, stagger},
 };
 use crate::{
     anim::{

@@ -19,7 +19,7 @@ use super::{
     intent::MoveIntent,
     locomotion::Locomotion,
     motion::Glide,
-    schedule::{MotionSystems, PoseClock, PoseSystems},
+    schedule::{MotionSystems, PoseClock, PoseSystems, stagger},
 };
 use crate::rig::{character::CharacterAsset, tuning::locomotion::TransitionBlend};
 
@@ -244,12 +244,6 @@ fn tell_bodies(
             commands.entity(entity).remove::<(RigidBodyDisabled, NotSolid)>();
         }
     }
-}
-
-/// A share, 0..1, by which things that are done now and then are put off, so that neighbours don't do them at once.
-pub(super) fn stagger(character: Entity) -> f32 {
-    // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.
-    (character.index_u32() as f32 * 0.618_034).fract()
 }
 
 /// Whose details change their poses, and what may keep clips from posing them alone.

@@ -6,6 +6,12 @@
 use avian3d::prelude::PhysicsSystems;
 use bevy::prelude::*;
 
+/// A share, 0..1, by which things that are done now and then are put off, so that neighbours don't do them at once.
+pub(super) fn stagger(character: Entity) -> f32 {
+    // Neighbours have numbers that follow on each other; the golden ratio spreads them evenly.
+    (character.index_u32() as f32 * 0.618_034).fract()
+}
+
 /// Fixed clock (`FixedUpdate`): deterministic, the same for every frame rate.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MotionSystems {

@@ -24,7 +24,7 @@ use super::{
     bind::CharacterAssets,
     detail::{self, Detail, Pacing},
     motion::MotionState,
-    schedule::{PoseClock, PoseSystems},
+    schedule::{PoseClock, PoseSystems, stagger},
 };
 use crate::{
     anim::{
@@ -329,7 +329,7 @@ fn locomote(
 
 /// Seconds between two looks at who isn't seen, `most` or up to a third less: not all of them look in the same tick.
 fn rest(character: Entity, most: f32) -> f32 {
-    most * (1.0 - detail::stagger(character) / 3.0)
+    most * (1.0 - stagger(character) / 3.0)
 }
 
 /// What clips say of the feet of those that are posed by more than them.

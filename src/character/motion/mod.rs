@@ -43,7 +43,7 @@ use bevy::{prelude::*, utils::Parallel};
 
 use super::{
     intent::MoveIntent,
-    schedule::{MotionSystems, SchedulePlugin},
+    schedule::{MotionSystems, SchedulePlugin, stagger},
 };
 use crate::rig::tuning::motion::MotionConfig;
 use ahead::region;
@@ -209,7 +209,7 @@ fn move_characters(
                 let before = body.velocity;
                 tick.run(&mut body, &mut state);
                 // Neighbours look at different times.
-                let share = 0.75 + 0.25 * (me.index_u32() as f32 * 0.618_034).fract();
+                let share = 0.75 + 0.25 * stagger(me);
                 body.line = tick.line_ahead(&body, before, (seconds * share, hops));
             }
             **memory = tick.view.around.into_memory();
