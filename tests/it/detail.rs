@@ -32,7 +32,9 @@ fn walker_on(world: &World) -> (Stage, Entity) {
 fn walker_after(world: &World, others: usize) -> (Stage, Entity) {
     let mut stage = Stage::on(world);
     stage.app().add_systems(PostUpdate, see_clips.in_set(PoseSystems::Reach));
-    (0..others).for_each(|_| drop(stage.app().world_mut().spawn_empty()));
+    for _ in 0..others {
+        stage.app().world_mut().spawn_empty();
+    }
     let walker = stage.spawn_walker().expect("the mannequin loads");
     stage.walk(walker, WALK).run_for(1.0);
     (stage, walker)

@@ -3,14 +3,14 @@
 //! Rows are those of [blocks](super), but between no frames: rotations are in their parents' spaces.
 
 use bevy::math::{Quat, Vec3};
-use fearless_simd::{Simd, dispatch, prelude::*};
+use fearless_simd::{Simd, dispatch};
 
 use super::{
     Instructions, Layer, Play, Precision,
     aligned::Rows32,
     channels::{Channels, rotation_place},
     frames::Frames,
-    lanes::{LANES, Row, load},
+    lanes::{LANES, Row, load, store},
     rows::{RowData, RowSource, Rows},
     sample::{Plan, sample},
     species::Tracks,
@@ -140,12 +140,11 @@ impl ClipSet {
         out.copy_from_slice(&self.rest);
         let channels = &self.tracks.channels;
         for (tile, joints) in row.as_chunks::<4>().0.iter().zip(channels.rotations.chunks(LANES)) {
-            let columns = transpose_halves(simd, tile.map(|part| load(simd, &part))).map(|pair| pair.split());
+            let columns = transpose_halves(simd, tile.map(|part| load(simd, &part)));
             for (lane, joint) in joints.iter().enumerate() {
-                let (first, second) = columns[lane % 4];
-                let mut parts = [0.0; 4];
-                (if lane < 4 { first } else { second }).store_slice(&mut parts);
-                out[joint.index()].rotation = Quat::from_array(parts);
+                let mut pair = [0.0; LANES];
+                store(columns[lane % 4], &mut pair);
+                out[joint.index()].rotation = Quat::from_slice(&pair[lane / 4 * 4..]);
             }
         }
         for (kind, (start, joints)) in channels.vector_runs().into_iter().enumerate() {

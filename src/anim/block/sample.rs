@@ -337,9 +337,9 @@ pub(super) fn transpose_turns<S: Simd>(
     tile: usize,
     turns: &mut [[Row; 4]; LANES],
 ) {
-    for part in 0..4 {
+    for (part, vector) in (4 * tile..4 * tile + 4).enumerate() {
         for half in 0..2 {
-            let columns = columns(simd, poses, width, 4 * tile + part, half);
+            let columns = columns(simd, poses, width, vector, half);
             for (slot, column) in columns.into_iter().enumerate() {
                 store(column, &mut turns[4 * half + slot][part]);
             }
