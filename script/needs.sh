@@ -32,7 +32,7 @@ need() { missing+=("$1"); }
 need_library() { have_library "$1" || need "$2"; }
 need_command() { command -v "$1" >/dev/null || need "$2"; }
 
-# What the compiler needs: a linker, and udev for gamepads.
+# What the compiler needs: a linker, C++ for the library that simplifies meshes, and udev for gamepads.
 need_build() {
     if ! command -v cargo >/dev/null && [ -x "$HOME/.cargo/bin/cargo" ]; then
         PATH="$HOME/.cargo/bin:$PATH"
@@ -43,6 +43,7 @@ need_build() {
     fi
     on_linux || return 0
     need_command cc gcc
+    need_command c++ g++
     # gcc alone, without the headers of libc, can't link.
     [ -e /usr/include/stdlib.h ] || need libc6-dev
     need_command pkg-config pkg-config

@@ -59,7 +59,8 @@
 //! Who is far enough is posed by its clips alone (`clips_only`), together with all others of its kind, ten times as cheap; put a
 //! [`PoseRead`](character::crowd::PoseRead) on those whose [`CharacterPose`](character::animator::CharacterPose) you read in any case.
 //! With the feature `render` a `ScreenDetail` sets it by the character's size on the screen, as the resource
-//! [`DetailLevels`](character::levels::DetailLevels) says. The player's own character has neither. Frames that a crowd fills are
+//! [`DetailLevels`](character::levels::DetailLevels) says, and draws who is small with fewer triangles, where that is off by less than
+//! a pixel: simplified meshes of any model are made in the background. The player's own character has neither. Frames that a crowd fills are
 //! posed once each by [`PoseClock::at_most(1)`](character::schedule::PoseClock::at_most); on few cores Bevy keeps one thread
 //! for all of this unless `TaskPoolOptions::compute` says more.
 //!

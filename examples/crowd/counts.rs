@@ -1,9 +1,11 @@
-//! Counts what the renderer does in a frame: draws, bytes of matrices, and what it makes anew.
+//! Counts what the renderer does in a frame: draws, triangles, bytes of matrices, and what it makes anew.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::{
+    camera::visibility::ViewVisibility,
     core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Transparent3d},
+    mesh::{Indices, skinning::SkinnedMesh},
     pbr::{Shadow, SkinUniforms},
     prelude::*,
     render::{
@@ -12,7 +14,7 @@ use bevy::{
         render_resource::PipelineCache,
     },
 };
-use surefoot::skinning::SkinUpload;
+use surefoot::skinning::{SkinUpload, SkinnedBy};
 
 /// What the renderer did.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -71,6 +73,15 @@ fn count(
         buffers: ours.as_ref().map(|upload| upload.buffers_made),
     };
     *counter.0.lock().unwrap_or_else(PoisonError::into_inner) = counts;
+}
+
+/// Triangles of all characters in view.
+pub(crate) fn triangles(world: &mut World) -> usize {
+    let mut drawn = world.query_filtered::<(&Mesh3d, &ViewVisibility), Or<(With<SkinnedBy>, With<SkinnedMesh>)>>();
+    let meshes = world.resource::<Assets<Mesh>>();
+    let corners = |mesh: &Mesh| mesh.try_indices_option().ok().flatten().map_or(0, Indices::len);
+    let drawn = drawn.iter(world).filter(|(_, visible)| visible.get()).filter_map(|(mesh, _)| meshes.get(&mesh.0));
+    drawn.map(corners).sum::<usize>() / 3
 }
 
 /// Draw calls by view: a set of meshes that are drawn together is one, and so is each batch of one mesh.

@@ -16,7 +16,7 @@ pub(crate) struct Flags {
     #[arg(long, value_delimiter = ',', default_value = "100,1000", value_name = "N")]
     pub(crate) count: Vec<usize>,
     /// Who animates and skins them; all, unless told otherwise.
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "surefoot,poses,built-in")]
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "surefoot,poses,levels,built-in")]
     pub(crate) way: Vec<Way>,
     /// Frames that are measured of each.
     #[arg(long, default_value_t = 20, value_name = "FRAMES")]
@@ -45,6 +45,8 @@ pub(crate) enum Way {
     Surefoot,
     /// Surefoot's blocks of poses and its skinning, without controller and feet: what the engine does.
     Poses,
+    /// The same, and those who are seen small are drawn with fewer triangles.
+    Levels,
     /// The engine's animation and skinning.
     BuiltIn,
 }
@@ -55,6 +57,7 @@ impl Way {
         match self {
             Self::Surefoot => "surefoot",
             Self::Poses => "poses",
+            Self::Levels => "levels",
             Self::BuiltIn => "built-in",
         }
     }

@@ -13,7 +13,7 @@ use surefoot::{
     },
     rig::{Rig, character::CharacterAsset},
     skinning::{
-        Palette, ScreenDetail, SkinArena, SkinnedModel,
+        MeshLevels, Palette, ScreenDetail, SkinArena, SkinnedModel,
         model::{ModelParts, ModelStatus},
     },
 };
@@ -50,8 +50,10 @@ pub(crate) const HERO: &str = "mannequin.character.ron";
 pub(crate) const CLIPS: [(&str, f32); 2] = [("walk", 0.6), ("run", 0.4)];
 
 /// Poses by blocks of characters, written to their palettes; nobody has a controller or feet on the ground.
-pub(crate) fn poses(app: &mut App) {
+/// With `levels` triangles go by size on the screen.
+pub(crate) fn poses(app: &mut App, levels: bool) {
     app.add_plugins((PhysicsPlugins::default(), SurefootPlugins))
+        .insert_resource(Levels(levels))
         .insert_resource(Pattern::Waiting(Handle::default()))
         .add_systems(Startup, load)
         .add_systems(Update, (spawn_puppets, walk_circles).chain())
@@ -64,6 +66,10 @@ enum Pattern {
     Waiting(Handle<CharacterAsset>),
     Ready { species: Box<Species>, durations: [f32; 2] },
 }
+
+/// Whether meshes have levels.
+#[derive(Resource)]
+struct Levels(bool);
 
 /// The clips that one plays.
 #[derive(Component, Clone, Copy)]
@@ -79,7 +85,7 @@ fn spawn_puppets(
     assets: CharacterAssets,
     mut rigs: ResMut<Assets<Rig>>,
     mut pattern: ResMut<Pattern>,
-    scene: Res<Scene>,
+    (scene, levels): (Res<Scene>, Res<Levels>),
 ) {
     let Pattern::Waiting(file) = &*pattern else { return };
     let Some(asset) = assets.get(&Character(file.clone())) else { return };
@@ -89,7 +95,10 @@ fn spawn_puppets(
     let model = SkinnedModel { gltf: server.load(asset.model.clone()), rig: rigs.add(Rig::clone(&asset.rig)) };
     for walker in scene.walkers() {
         let play = |clip: usize| Play { clip, time: walker.phase() * durations[clip], weight: CLIPS[clip].1 };
-        commands.spawn((model.clone(), walker, Puppet([play(0), play(1)])));
+        let mut puppet = commands.spawn((model.clone(), walker, Puppet([play(0), play(1)])));
+        if levels.0 {
+            puppet.insert(ScreenDetail::default());
+        }
     }
     *pattern = Pattern::Ready { species: Box::new(species), durations };
 }
@@ -151,6 +160,11 @@ fn play(
         }
         pose(species, &actors[..chunk.len()], &mut work, matrices);
     }
+}
+
+/// How many models are there with their levels.
+pub(crate) fn ready_with_levels(world: &mut World) -> usize {
+    world.query::<&MeshLevels>().iter(world).count()
 }
 
 /// How many models are there.

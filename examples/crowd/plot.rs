@@ -37,6 +37,7 @@ fn colour(way: Way) -> RGBColor {
     match way {
         Way::Surefoot => RGBColor(200, 80, 20),
         Way::Poses => RGBColor(230, 170, 60),
+        Way::Levels => RGBColor(70, 140, 90),
         Way::BuiltIn => RGBColor(60, 90, 160),
     }
 }

@@ -23,12 +23,20 @@ pub(crate) struct Row {
     /// Milliseconds on the GPU by render pass, as the engine's diagnostics have them.
     passes: Vec<(String, f64)>,
     counts: Counts,
+    /// Triangles of all characters in view.
+    triangles: usize,
     /// Pipelines, bind groups and buffers that were made while measuring.
     remade: [Option<u32>; 3],
 }
 
 impl Row {
-    pub(crate) fn new(way: Way, count: usize, store: &DiagnosticsStore, before: &Counts, counts: Counts) -> Self {
+    pub(crate) fn new(
+        way: Way,
+        count: usize,
+        triangles: usize,
+        store: &DiagnosticsStore,
+        (before, counts): (&Counts, Counts),
+    ) -> Self {
         let of = |path: &DiagnosticPath| median(store, path).unwrap_or(f64::NAN);
         let gpu = |path: &str| Some(path.strip_prefix("render/")?.strip_suffix("/elapsed_gpu")?.to_owned());
         let mut passes: Vec<(String, f64)> = store
@@ -51,6 +59,7 @@ impl Row {
                 since(counts.buffers, before.buffers),
             ],
             counts,
+            triangles,
         }
     }
 }
@@ -65,8 +74,8 @@ pub(crate) fn head() {
     let parts: String = (0..PARTS.len()).map(|part| format!("{:>9}", part_name(part))).collect();
     println!("milliseconds, medians:");
     println!(
-        "{:>6} {:>9} {:>9} {:>9} |{parts} | {:>5} {:>8} {:>9} | remade: pipelines, bind groups, buffers",
-        "N", "way", "frame", "cpu", "draws", "shadows", "bytes"
+        "{:>6} {:>9} {:>9} {:>9} |{parts} | {:>5} {:>8} {:>9} {:>9} | remade: pipelines, bind groups, buffers",
+        "N", "way", "frame", "cpu", "draws", "shadows", "triangles", "bytes"
     );
 }
 
@@ -76,13 +85,14 @@ pub(crate) fn line(row: &Row) {
     let shadows: Vec<_> = row.counts.shadow_draws.iter().map(ToString::to_string).collect();
     let remade = row.remade.map(|count| count.map_or_else(|| "-".to_owned(), |count| count.to_string())).join(", ");
     println!(
-        "{:>6} {:>9} {:>9.2} {:>9.2} |{parts} | {:>5} {:>8} {:>9} | {remade}",
+        "{:>6} {:>9} {:>9.2} {:>9.2} |{parts} | {:>5} {:>8} {:>9} {:>9} | {remade}",
         row.count,
         row.way.name(),
         row.frame,
         row.cpu,
         row.counts.draws,
         shadows.join("+"),
+        row.triangles,
         row.counts.bytes,
     );
 }

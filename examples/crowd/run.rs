@@ -81,7 +81,8 @@ fn populate(app: &mut App, way: Way, count: usize, flags: &Flags) {
     scene::build(app, count, flags);
     match way {
         Way::Surefoot => ours::characters(app),
-        Way::Poses => ours::poses(app),
+        Way::Poses => ours::poses(app, false),
+        Way::Levels => ours::poses(app, true),
         Way::BuiltIn => built_in::characters(app),
     }
     app.add_plugins((MeterPlugin, counts::plugin));
@@ -111,7 +112,11 @@ impl Crowd {
         populate(&mut app, way, count, flags);
         engine::finish(&mut app);
         draws(&mut app, false);
-        let ready = if way == Way::BuiltIn { built_in::ready } else { ours::ready };
+        let ready = match way {
+            Way::BuiltIn => built_in::ready,
+            Way::Levels => ours::ready_with_levels,
+            _ => ours::ready,
+        };
         for _ in 0..PATIENCE {
             app.update();
             draws(&mut app, false);
@@ -151,10 +156,11 @@ impl Crowd {
         }
     }
 
-    fn row(&self) -> Row {
+    fn row(&mut self) -> Row {
+        let triangles = counts::triangles(self.app.world_mut());
         let after = self.app.world().resource::<Counter>().read();
         let store = self.app.world().resource::<DiagnosticsStore>();
-        Row::new(self.way, self.count, store, &self.before, after)
+        Row::new(self.way, self.count, triangles, store, (&self.before, after))
     }
 
     /// Writes what the crowd looks like.

@@ -28,6 +28,10 @@ pub struct DetailLevels {
     ///
     /// 0: who isn't seen meets everything as exactly as who is.
     pub unseen_glide: f32,
+    /// Most that is seen of a simplified mesh being off, as a share of the view's height. Default 0.001: a pixel of 1,080.
+    ///
+    /// Large: fewer triangles, and outlines that change from one mesh to the next. 0: everyone is drawn with all triangles.
+    pub mesh_error: f32,
 }
 
 /// One level.
@@ -55,6 +59,7 @@ impl Default for DetailLevels {
             hysteresis: 0.15,
             margin: 2.0,
             unseen_glide: 0.5,
+            mesh_error: 1e-3,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Level of detail by size on the screen: writes [`Detail`] of those that carry a [`ScreenDetail`].
+//! Level of detail by size on the screen: writes [`Detail`] and [`MeshLevels`] of those that carry a [`ScreenDetail`].
 //!
 //! Reads where the cameras were in the last frame and where characters are now. World space; sizes are shares of the view's
 //! height. Nobody has a [`ScreenDetail`] unless told: the player's own character is seen near and keeps every frame.
@@ -8,9 +8,10 @@ use bevy::{
     prelude::*,
 };
 
+use super::mesh_levels::MeshLevels;
 use crate::character::{detail::Detail, levels::DetailLevels};
 
-/// Goes on a character whose [`Detail`] shall follow its size on the screen.
+/// Goes on a character whose [`Detail`] shall follow its size on the screen, and what it is drawn with, too: [`MeshLevels`].
 #[derive(Component, Reflect, Clone, Copy, Debug)]
 #[reflect(Component)]
 #[require(Detail)]
@@ -35,15 +36,15 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(PostUpdate, choose);
 }
 
-fn choose(
+pub(super) fn choose(
     levels: Res<DetailLevels>,
     cameras: Query<(&Camera, &GlobalTransform, &Frustum)>,
-    mut characters: Query<(&Transform, &mut ScreenDetail, &mut Detail)>,
+    mut characters: Query<(&Transform, &mut ScreenDetail, &mut Detail, Option<&mut MeshLevels>)>,
 ) {
     if levels.levels.is_empty() || cameras.is_empty() {
         return;
     }
-    characters.par_iter_mut().for_each(|(root, mut screen, mut detail)| {
+    characters.par_iter_mut().for_each(|(root, mut screen, mut detail, meshes)| {
         let middle = root.translation + Vec3::Y * (0.5 * screen.height);
         let sphere = Sphere { center: middle.into(), radius: screen.height + levels.margin };
         let views =
@@ -55,6 +56,12 @@ fn choose(
                 let level = levels.level(size, screen.level);
                 if level != screen.level {
                     screen.level = level;
+                }
+                if let Some(mut meshes) = meshes {
+                    let level = meshes.wanted(size, levels.mesh_error, levels.hysteresis);
+                    if level != meshes.level() {
+                        meshes.set(level);
+                    }
                 }
                 levels.levels[level].detail
             }

@@ -15,10 +15,12 @@ mod halves;
 pub mod layout;
 pub mod material;
 pub mod mesh;
+pub mod mesh_levels;
 pub mod model;
 pub mod morphs;
 pub mod palette;
 pub mod ranges;
+pub mod simplify;
 mod upload;
 
 use bevy::{
@@ -38,6 +40,7 @@ pub use self::{
     layout::JointMatrix,
     material::{SkinExtension, SkinnedMaterial},
     mesh::{SkinMeshError, skin_mesh},
+    mesh_levels::MeshLevels,
     model::{SkinPose, SkinnedModel},
     morphs::Morphs,
     palette::{Palette, SkinnedBy, SkinnedMeshes, Tint},
@@ -75,6 +78,7 @@ impl Plugin for SkinningPlugin {
         if app.is_plugin_added::<PbrPlugin>() {
             embed_shaders(app);
             detail::plugin(app);
+            mesh_levels::plugin(app);
             app.add_plugins((
                 MaterialPlugin::<SkinnedMaterial>::default(),
                 model::SkinnedModelPlugin,

@@ -77,6 +77,13 @@ impl Picture {
         self.0.chunks_exact(4).filter(|pixel| *pixel != ground).count()
     }
 
+    /// Pixels that are of the colour in the upper left corner in one of the two pictures alone.
+    pub(crate) fn outline_difference(&self, other: &Self) -> usize {
+        let ground = &self.0[..4];
+        let pixels = self.0.chunks_exact(4).zip(other.0.chunks_exact(4));
+        pixels.filter(|(a, b)| (*a == ground) != (*b == ground)).count()
+    }
+
     /// Mean of each channel over the pixels that are not of the colour in the upper left corner.
     pub(crate) fn mean_drawn(&self) -> [f32; 3] {
         let ground = &self.0[..4];

@@ -40,7 +40,7 @@ fn mannequins(places: &[Transform]) -> (Studio, Vec<Entity>) {
 }
 
 /// The mannequin's skeleton in a pose that bends elbows, a knee, the neck and the back.
-fn bent(studio: &mut Studio) -> Pose {
+pub(super) fn bent(studio: &mut Studio) -> Pose {
     let rigs = studio.world().resource::<Assets<Rig>>();
     let (_, rig) = rigs.iter().next().expect("the mannequin's rig is loaded");
     let mut pose = Pose::rest(&rig.skeleton);

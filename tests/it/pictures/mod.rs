@@ -1,6 +1,7 @@
 //! Pictures of skinned characters, drawn on a software driver: the same as the engine's own skinning, and steady.
 
 mod engine;
+mod levels;
 mod life;
 mod mannequin;
 mod motion;
