@@ -1,7 +1,7 @@
 //! A crowd of mannequins, and beside it the same crowd as the engine alone animates and skins it: what a frame of each takes.
 //!
 //! `cargo run --release --example crowd` needs no display: it measures crowds of several sizes and prints, for each, the frame
-//! time and its split, draws per pass, bytes written to the GPU, and what was made anew while nothing changed. Besides it
+//! time and its split, draws per pass, triangles, bytes written to the GPU, and what was made anew while nothing changed. Besides it
 //! writes `crowd.svg` and a picture of each crowd. `--window` shows one crowd instead.
 
 /// The parts of this example.

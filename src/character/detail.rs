@@ -32,7 +32,7 @@ pub struct Detail {
     /// 0 poses in every tick. Default 0.
     ///
     /// Large: cheap, and quick motions are cut short. Cheapest are steps of whole ticks, such as 1/32 s, where joints jump by 1.4 times
-    /// what they do in their clips; at 1/16 s by 2.3, for who is some pixels tall; posed in every tick by 1.1.
+    /// what they do in their clips; at 1/16 s by 2.3, for who is some pixels tall; posed in every tick by 1.1 (without feet).
     pub step: f32,
     /// Whether feet find the ground. Default true.
     ///

@@ -82,7 +82,7 @@ enum Making {
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Simpler>()
         .add_systems(Update, (forget_removed, prepare).chain().run_if(resource_exists::<Assets<Rig>>))
-        .add_systems(PostUpdate, exchange.after(super::detail::choose));
+        .add_systems(PostUpdate, (restore, exchange).chain().after(super::detail::choose));
 }
 
 fn forget_removed(mut events: MessageReader<AssetEvent<Mesh>>, mut simpler: ResMut<Simpler>) {
@@ -198,6 +198,18 @@ fn bounds(mesh: &Mesh) -> Option<Aabb3d> {
     let VertexAttributeValues::Float32x3(positions) = values else { return None };
     let points = positions.iter().map(|position| Vec3A::from_array(*position));
     Some(Aabb3d::from_point_cloud(Isometry3d::IDENTITY, points))
+}
+
+/// Who has no [`ScreenDetail`] any more has all its triangles.
+fn restore(
+    mut removed: RemovedComponents<ScreenDetail>,
+    mut characters: Query<&mut MeshLevels, Without<ScreenDetail>>,
+) {
+    for character in removed.read() {
+        if let Ok(mut levels) = characters.get_mut(character) {
+            levels.set(0);
+        }
+    }
 }
 
 /// Draws what levels say.

@@ -106,3 +106,57 @@ impl CharacterPose {
 fn joints(leg: &Leg) -> [JointIndex; 2] {
     [leg.foot, leg.toes.unwrap_or(leg.foot)]
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::rig::{Rig, character_file::CharacterFile};
+
+    fn mannequin() -> CharacterAsset {
+        let bytes = include_bytes!("../../../assets/mannequin.glb");
+        let rig = Rig::from_slice(bytes, |uri| Err(uri.to_owned())).expect("it needs no other file");
+        let file = CharacterFile { model: "mannequin.glb".to_owned(), ..CharacterFile::default() };
+        CharacterAsset::resolve(file, "mannequin.glb".into(), rig, &BTreeMap::new()).expect("it is a body")
+    }
+
+    /// Lifts the hips by `metres` with feet that stay; gives the pose before the legs follow, and after.
+    fn lifted(asset: &CharacterAsset, metres: f32) -> [CharacterPose; 2] {
+        let mut leading = CharacterPose::new(&asset.skeleton);
+        leading.keep_feet(asset, |pose| pose.shift_model(&asset.skeleton, asset.hips, Vec3::Y * metres));
+        let mut followed = leading.clone();
+        followed.set_legs(asset);
+        [leading, followed]
+    }
+
+    #[test]
+    fn legs_follow_feet_that_stay_while_the_hips_sink() {
+        let asset = mannequin();
+        let rest = CharacterPose::new(&asset.skeleton);
+        let [leading, followed] = lifted(&asset, -0.1);
+        assert!(leading.feet_lead() && !followed.feet_lead());
+        for leg in &asset.legs {
+            let place = |pose: &CharacterPose| pose.pose.position(leg.foot);
+            assert_eq!(place(&leading), place(&rest), "an ankle that leads");
+            let off = place(&followed).distance(place(&rest));
+            assert!(off < 1e-3, "the leg misses its ankle by {off} m");
+            let turned = followed.pose.rotation(leg.foot).angle_between(rest.pose.rotation(leg.foot));
+            assert!(turned < 1e-2, "the foot is turned by {turned}");
+            let carried = leading.carried_ankle(&asset.skeleton, leg) - place(&rest);
+            assert!((carried + Vec3::Y * 0.1).length() < 1e-4, "the leg has its ankle {carried} from the foot");
+        }
+    }
+
+    #[test]
+    fn feet_that_hips_leave_behind_come_within_reach() {
+        let asset = mannequin();
+        let [leading, followed] = lifted(&asset, 0.3);
+        for leg in &asset.legs {
+            let [led, set] = [&leading, &followed].map(|pose| pose.pose.position(leg.foot));
+            let reach = led.distance(leading.pose.position(leg.upper)) / leg.length();
+            assert!((0.97..CLIP_EXTENSION.hard + 1e-4).contains(&reach), "the foot is {reach} of its leg away");
+            assert!(led.distance(set) < 1e-3, "the leg misses its foot by {} m", led.distance(set));
+        }
+    }
+}

@@ -145,4 +145,9 @@ fn who_is_seen_small_has_fewer_triangles_and_looks_the_same() {
     }
     let ((near, level), (whole, _)) = (see(2.4, error), see(2.4, 0.0));
     assert_eq!((level, near.difference(&whole, 0).beyond), (0, 0), "near again it has all its triangles");
+    let ((whole, _), (_, level)) = (see(14.0, 0.0), see(14.0, error));
+    assert!(level > 0, "far again it has few triangles");
+    studio.world().entity_mut(character).remove::<ScreenDetail>();
+    let restored = studio.picture();
+    assert_eq!(restored.difference(&whole, 0).beyond, 0, "pixels that differ once nothing follows its size");
 }
