@@ -156,7 +156,9 @@ mod tests {
             let [led, set] = [&leading, &followed].map(|pose| pose.pose.position(leg.foot));
             let reach = led.distance(leading.pose.position(leg.upper)) / leg.length();
             assert!((0.97..CLIP_EXTENSION.hard + 1e-4).contains(&reach), "the foot is {reach} of its leg away");
-            assert!(led.distance(set) < 1e-3, "the leg misses its foot by {} m", led.distance(set));
+            // Legs stretch softly, too: a straight one keeps four thousandths back.
+            let off = led.distance(set) / leg.length();
+            assert!(off < 4e-3, "the leg misses its foot by {off} of its length");
         }
     }
 }
