@@ -181,14 +181,14 @@ fn influences(slots: [u16; 4], weights: [f32; 4], unweighted: u16) -> Influences
     }
 }
 
-fn positions(mesh: &Mesh) -> Result<&[[f32; 3]], SkinMeshError> {
+pub(super) fn positions(mesh: &Mesh) -> Result<&[[f32; 3]], SkinMeshError> {
     match values(mesh, Mesh::ATTRIBUTE_POSITION)? {
         VertexAttributeValues::Float32x3(positions) => Ok(positions),
         other => Err(wrong(Mesh::ATTRIBUTE_POSITION, other, "Float32x3")),
     }
 }
 
-fn values(mesh: &Mesh, attribute: MeshVertexAttribute) -> Result<&VertexAttributeValues, SkinMeshError> {
+pub(super) fn values(mesh: &Mesh, attribute: MeshVertexAttribute) -> Result<&VertexAttributeValues, SkinMeshError> {
     mesh.try_attribute_option(attribute)
         .map_err(|_| SkinMeshError::Unreadable)?
         .ok_or(SkinMeshError::Missing(attribute.name))

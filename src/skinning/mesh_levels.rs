@@ -6,15 +6,15 @@
 use std::sync::Arc;
 
 use bevy::{
-    math::bounding::{Aabb3d, BoundingVolume},
-    mesh::VertexAttributeValues,
     platform::collections::{HashMap, hash_map::Entry},
     prelude::*,
     tasks::{AsyncComputeTaskPool, Task, block_on, poll_once},
 };
 
 use super::{
+    bounds::SlotBox,
     detail::ScreenDetail,
+    mesh::positions,
     model::{ModelPart, ModelParts, SkinnedModel},
     palette::SkinnedMeshes,
     simplify::{SHARES, Simplified, simplified},
@@ -66,7 +66,7 @@ struct Made {
     meshes: [Handle<Mesh>; LEVELS],
     /// How far each is off, in the mesh's space.
     errors: [f32; LEVELS],
-    bounds: Option<Aabb3d>,
+    bounds: SlotBox,
 }
 
 /// Simplified meshes, by their whole one.
@@ -101,11 +101,21 @@ fn prepare(
     mut simpler: ResMut<Simpler>,
     mut meshes: ResMut<Assets<Mesh>>,
     rigs: Res<Assets<Rig>>,
-    characters: Query<(Entity, &SkinnedModel, &ModelParts), Fresh>,
+    characters: Query<(Entity, &SkinnedModel, &ModelParts, Option<&MeshLevels>), Fresh>,
     parts: Query<(&ModelPart, &SkinnedMeshes)>,
     drawn: Query<&Mesh3d>,
 ) {
-    for (character, model, model_parts) in &characters {
+    for (character, model, model_parts, old) in &characters {
+        if let Some(old) = old {
+            // Its parts have changed: whole meshes first, from which levels are made anew.
+            for (entity, made) in &old.meshes {
+                if let Ok(mut drawn) = commands.get_entity(*entity) {
+                    drawn.try_insert(Mesh3d(made.meshes[0].clone()));
+                }
+            }
+            commands.entity(character).remove::<MeshLevels>();
+            continue;
+        }
         let Some(rig) = rigs.get(&model.rig) else { continue };
         let mut made = Vec::new();
         let mut waits = false;
@@ -133,8 +143,9 @@ fn homes(part: ModelPart, rig: &Rig) -> Vec<Vec3> {
 
 /// How far each level is off, as a share of the largest side of all that is drawn.
 fn errors(made: &[(Entity, Arc<Made>)]) -> [f32; LEVELS] {
-    let bounds = made.iter().filter_map(|(_, made)| made.bounds).reduce(|a, b| a.merge(&b));
-    let side = bounds.map_or(0.0, |bounds| Vec3::from(bounds.max - bounds.min).max_element());
+    let mut bounds = SlotBox::EMPTY;
+    made.iter().for_each(|(_, made)| bounds.unite(made.bounds));
+    let side = (bounds.max - bounds.min).max_element();
     let mut largest = 0.0f32;
     core::array::from_fn(|level| {
         largest = made.iter().map(|(_, made)| made.errors[level]).fold(largest, f32::max);
@@ -174,7 +185,7 @@ impl Simpler {
 impl Made {
     /// Where a level could not be made the one before is drawn in its place.
     fn new(whole: &Handle<Mesh>, results: [Option<Simplified>; SHARES.len()], meshes: &mut Assets<Mesh>) -> Self {
-        let bounds = meshes.get(whole).and_then(bounds);
+        let bounds = meshes.get(whole).map_or(SlotBox::EMPTY, bounds);
         let mut made = Self { meshes: core::array::from_fn(|_| whole.clone()), errors: [0.0; LEVELS], bounds };
         for (index, result) in results.into_iter().enumerate() {
             let level = index + 1;
@@ -193,13 +204,11 @@ impl Made {
     }
 }
 
-fn bounds(mesh: &Mesh) -> Option<Aabb3d> {
-    let values = mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION).ok()??;
-    let VertexAttributeValues::Float32x3(positions) = values else { return None };
-    let points = positions.iter().map(|position| Vec3A::from_array(*position));
-    Some(Aabb3d::from_point_cloud(Isometry3d::IDENTITY, points))
+fn bounds(mesh: &Mesh) -> SlotBox {
+    let mut bounds = SlotBox::EMPTY;
+    positions(mesh).into_iter().flatten().for_each(|position| bounds.include(Vec3::from_array(*position)));
+    bounds
 }
-
 /// Who has no [`ScreenDetail`] any more has all its triangles.
 fn restore(
     mut removed: RemovedComponents<ScreenDetail>,

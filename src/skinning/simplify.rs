@@ -12,7 +12,7 @@ use meshopt::{
     SimplifyOptions, VertexDataAdapter, optimize_vertex_cache, simplify_scale, simplify_with_attributes_and_locks,
 };
 
-use super::mesh::{ATTRIBUTE_SKIN_SLOTS, ATTRIBUTE_SKIN_WEIGHTS};
+use super::mesh::{ATTRIBUTE_SKIN_SLOTS, ATTRIBUTE_SKIN_WEIGHTS, positions, values};
 use crate::anim::skin::Influences;
 
 /// Shares of the whole mesh's triangles that simplified ones aim for.
@@ -85,7 +85,7 @@ fn triangles(mesh: &Mesh) -> Option<(&[[f32; 3]], Vec<u32>)> {
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
         return None;
     }
-    let VertexAttributeValues::Float32x3(positions) = values(mesh, Mesh::ATTRIBUTE_POSITION)? else { return None };
+    let positions = positions(mesh).ok()?;
     let indices: Vec<u32> = match mesh.try_indices_option().ok()?? {
         Indices::U16(indices) => indices.iter().map(|index| u32::from(*index)).collect(),
         Indices::U32(indices) => indices.clone(),
@@ -95,32 +95,28 @@ fn triangles(mesh: &Mesh) -> Option<(&[[f32; 3]], Vec<u32>)> {
     (whole && finite && !indices.is_empty()).then_some((positions, indices))
 }
 
-fn values(mesh: &Mesh, attribute: bevy::mesh::MeshVertexAttribute) -> Option<&VertexAttributeValues> {
-    mesh.try_attribute_option(attribute).ok()?
-}
-
 /// Numbers of a vertex beside its position: normal, texture coordinates, colour, and where the joints are that it moves with.
 const LOOKS: usize = 11;
 
 /// What else counts of each vertex, in shares of the mesh's largest `side`.
 fn looks(mesh: &Mesh, count: usize, homes: &[Vec3], side: f32) -> Vec<[f32; LOOKS]> {
     let mut looks = vec![[0.0; LOOKS]; count];
-    if let Some(VertexAttributeValues::Float32x3(normals)) = values(mesh, Mesh::ATTRIBUTE_NORMAL) {
+    if let Ok(VertexAttributeValues::Float32x3(normals)) = values(mesh, Mesh::ATTRIBUTE_NORMAL) {
         for (look, normal) in looks.iter_mut().zip(normals) {
             look[..3].copy_from_slice(&normal.map(|number| number * NORMAL));
         }
     }
-    if let Some(VertexAttributeValues::Float32x2(places)) = values(mesh, Mesh::ATTRIBUTE_UV_0) {
+    if let Ok(VertexAttributeValues::Float32x2(places)) = values(mesh, Mesh::ATTRIBUTE_UV_0) {
         for (look, place) in looks.iter_mut().zip(places) {
             look[3..5].copy_from_slice(&place.map(|number| number * TEXTURE));
         }
     }
-    if let Some(VertexAttributeValues::Float32x4(colours)) = values(mesh, Mesh::ATTRIBUTE_COLOR) {
+    if let Ok(VertexAttributeValues::Float32x4(colours)) = values(mesh, Mesh::ATTRIBUTE_COLOR) {
         for (look, [red, green, blue, _]) in looks.iter_mut().zip(colours) {
             look[5..8].copy_from_slice(&[red, green, blue].map(|number| number * COLOUR));
         }
     }
-    if let (Some(VertexAttributeValues::Uint16x4(slots)), Some(VertexAttributeValues::Unorm16x4(weights))) =
+    if let (Ok(VertexAttributeValues::Uint16x4(slots)), Ok(VertexAttributeValues::Unorm16x4(weights))) =
         (values(mesh, ATTRIBUTE_SKIN_SLOTS), values(mesh, ATTRIBUTE_SKIN_WEIGHTS))
     {
         for (look, (slots, weights)) in looks.iter_mut().zip(slots.iter().zip(weights)) {

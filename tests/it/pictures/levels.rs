@@ -147,6 +147,11 @@ fn who_is_seen_small_has_fewer_triangles_and_looks_the_same() {
     assert_eq!((level, near.difference(&whole, 0).beyond), (0, 0), "near again it has all its triangles");
     let ((whole, _), (_, level)) = (see(14.0, 0.0), see(14.0, error));
     assert!(level > 0, "far again it has few triangles");
+    let errors = |studio: &mut Studio| studio.world().get::<MeshLevels>(character).map(|it| it.errors().to_vec());
+    let before = errors(&mut studio);
+    studio.world().get_mut::<ModelParts>(character).unwrap().set_changed();
+    studio.picture();
+    assert_eq!(errors(&mut studio), before, "levels made anew are those of whole meshes");
     studio.world().entity_mut(character).remove::<ScreenDetail>();
     let restored = studio.picture();
     assert_eq!(restored.difference(&whole, 0).beyond, 0, "pixels that differ once nothing follows its size");
