@@ -12,7 +12,7 @@ use bevy::{
 };
 use surefoot::{
     SurefootPlugins,
-    anim::skin::JointMatrix,
+    anim::matrix::JointMatrix,
     character::{
         Character,
         animator::CharacterPose,

@@ -78,7 +78,7 @@ fn play(
 /// Steps back until the whole skeleton is in view.
 fn look_at(poses: Query<&SkinPose>, mut cameras: Query<&mut Transform, With<Camera3d>>) {
     for (SkinPose(pose), mut camera) in poses.iter().zip(&mut cameras) {
-        let joints = || pose.models().iter().map(|joint| Vec3::from(joint.translation));
+        let joints = || pose.positions();
         let (Some(low), Some(high)) = (joints().reduce(Vec3::min), joints().reduce(Vec3::max)) else { continue };
         let (middle, size) = (0.5 * (low + high), (high - low).length().max(1.0));
         *camera = Transform::from_translation(middle + Vec3::new(0.4, 0.3, -1.5) * size).looking_at(middle, Vec3::Y);

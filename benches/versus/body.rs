@@ -6,6 +6,7 @@ use bevy::math::{Affine3A, Quat, Vec3, ops};
 use surefoot::anim::{
     bake::{ClipCurves, JointCurves},
     curve::{Curve, Interpolation},
+    matrix::JointMatrix,
     pose::Pose,
     skeleton::{JointIndex, JointTransform, Skeleton},
     skin::Skin,
@@ -57,7 +58,7 @@ impl Body {
         joints.push(joint("jaw", Some(chest), Vec3::new(0.0, 0.3, -0.05)));
         let skeleton = Skeleton::new(joints, Affine3A::IDENTITY).expect("parents come first");
         let rest = Pose::rest(&skeleton);
-        let inverse_bind = rest.models().iter().map(Affine3A::inverse).collect();
+        let inverse_bind = rest.models().iter().map(JointMatrix::inverse).collect();
         let skin = Skin { joints: skeleton.joints().collect(), inverse_bind };
         let (walk, run) = (Keys::gait(&skeleton, &legs, 1.0, 0.45), Keys::gait(&skeleton, &legs, 0.7, 0.8));
         Self { skeleton, skin, walk, run, legs }

@@ -127,7 +127,7 @@ fn skin_uniforms() -> Option<SkinUniforms> {
 }
 
 fn spawn(world: &mut World, body: &Body, count: usize, clips: usize) {
-    let poses = body.skin.inverse_bind.iter().map(|inverse| Mat4::from(*inverse)).collect::<Vec<_>>();
+    let poses = body.skin.inverse_bind.iter().map(|inverse| Mat4::from(inverse.to_affine())).collect::<Vec<_>>();
     let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
     let mut graph = AnimationGraph::new();
     let root = graph.root;

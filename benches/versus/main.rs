@@ -15,7 +15,7 @@ mod watch;
 
 use surefoot::anim::{
     block::{Instructions, Precision, Until, Workspace},
-    skin::JointMatrix,
+    matrix::JointMatrix,
 };
 
 use body::Body;

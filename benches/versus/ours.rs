@@ -10,7 +10,7 @@ use surefoot::anim::{
     },
     clip::Clip,
     ik::two_bone::Extension,
-    skin::JointMatrix,
+    matrix::JointMatrix,
 };
 
 use crate::body::Body;

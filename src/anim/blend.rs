@@ -1,6 +1,6 @@
 //! Weighted blends of local poses: translations and scales by their mean, rotations as quaternions on the shortest arc.
 
-use bevy::math::{Affine3A, Quat, Vec3};
+use bevy::math::{Quat, Vec3};
 
 use super::skeleton::JointTransform;
 
@@ -63,15 +63,6 @@ impl<'a> Accumulator<'a> {
 pub fn lerp_into(from: &mut [JointTransform], to: &[JointTransform], share: f32) {
     for (a, b) in from.iter_mut().zip(to) {
         *a = lerp(*a, *b, share);
-    }
-}
-
-/// A joint's matrix between two in model space: its points go from place to place on straight lines, evenly.
-#[must_use]
-pub fn between_models(from: &Affine3A, to: &Affine3A, share: f32) -> Affine3A {
-    Affine3A {
-        matrix3: from.matrix3 + (to.matrix3 - from.matrix3) * share,
-        translation: from.translation + (to.translation - from.translation) * share,
     }
 }
 

@@ -11,6 +11,7 @@ pub mod inertialize;
 pub mod keys;
 pub mod leg;
 pub mod mask;
+pub mod matrix;
 pub mod peak;
 pub mod pose;
 pub mod retarget;

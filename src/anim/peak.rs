@@ -122,7 +122,7 @@ impl JointMotion {
             self.velocities.resize(pose.len(), Vec3::ZERO);
         }
         for (index, (local, model)) in pose.locals().iter().zip(pose.models()).enumerate() {
-            let position = Vec3::from(model.translation);
+            let position = model.translation();
             let velocity = (position - self.positions[index]) / dt;
             if self.frames > 0 {
                 step.speed = step.speed.max(velocity.length());

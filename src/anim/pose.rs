@@ -2,22 +2,41 @@
 //!
 //! Buffers are sized once from the skeleton; nothing here allocates afterwards.
 
-use bevy::math::{Affine3A, Quat, Vec3, Vec3A};
+use bevy::math::{Affine3A, Quat, Vec3};
 
-use super::skeleton::{JointIndex, JointTransform, Skeleton};
+use super::{
+    matrix::{JointMatrix, between, write_models},
+    skeleton::{JointIndex, JointTransform, Skeleton},
+};
 
 /// One character's pose. Local transforms are written, model matrices follow from them.
 #[derive(Clone, Debug, Default)]
 pub struct Pose {
     local: Vec<JointTransform>,
-    model: Vec<Affine3A>,
+    model: Vec<JointMatrix>,
+    before: Before,
+}
+
+/// The pose before, where frames show what lies between the two.
+#[derive(Clone, Debug, Default)]
+struct Before {
+    /// Empty where they don't.
+    model: Vec<JointMatrix>,
+    /// How far the pose is shown back on the way from there, 0..1.
+    back: f32,
+    /// Whether the pose was begun anew since it was last kept.
+    begun: bool,
 }
 
 impl Pose {
     /// The rest pose of `skeleton`.
     #[must_use]
     pub fn rest(skeleton: &Skeleton) -> Self {
-        let mut pose = Self { local: skeleton.rest().to_vec(), model: vec![Affine3A::IDENTITY; skeleton.len()] };
+        let mut pose = Self {
+            local: skeleton.rest().to_vec(),
+            model: vec![JointMatrix::IDENTITY; skeleton.len()],
+            ..Self::default()
+        };
         pose.update_model(skeleton);
         pose
     }
@@ -73,28 +92,90 @@ impl Pose {
     /// The joint in model space: `model_from_joint`.
     #[must_use]
     pub fn model(&self, joint: JointIndex) -> Affine3A {
-        self.model[joint.index()]
+        self.shown(joint.index()).into()
+    }
+
+    /// Joint by index, as it is shown.
+    #[inline]
+    fn shown(&self, index: usize) -> JointMatrix {
+        if self.before.back > 0.0 {
+            return between(&self.before.model[index], &self.model[index], 1.0 - self.before.back);
+        }
+        self.model[index]
     }
 
     /// The joint's position in model space.
     #[must_use]
+    #[inline]
     pub fn position(&self, joint: JointIndex) -> Vec3 {
-        self.model[joint.index()].translation.into()
+        if self.before.back > 0.0 {
+            return self.shown(joint.index()).translation();
+        }
+        self.model[joint.index()].translation()
     }
 
-    /// All joints in model space.
+    /// Positions of all joints in model space.
+    pub fn positions(&self) -> impl Iterator<Item = Vec3> + '_ {
+        (0..self.len()).map(|joint| self.shown(joint).translation())
+    }
+
+    /// All joints in model space; of a character that is shown between two ticks those of the later one, other than
+    /// [`model`](Self::model), which is as shown.
     #[must_use]
-    pub fn models(&self) -> &[Affine3A] {
+    pub fn models(&self) -> &[JointMatrix] {
         &self.model
     }
 
     /// All joints in model space, to be written.
-    pub fn models_mut(&mut self) -> &mut [Affine3A] {
+    pub fn models_mut(&mut self) -> &mut [JointMatrix] {
         &mut self.model
     }
 
+    /// Model matrices of the pose before, and how far from them it is shown, 0..1, where it isn't as it is posed.
+    #[inline]
+    pub(super) fn between(&self) -> Option<(&[JointMatrix], f32)> {
+        (self.before.back > 0.0).then_some((&self.before.model, 1.0 - self.before.back))
+    }
+
+    /// Whether it keeps the pose before.
+    pub(crate) fn keeps_before(&self) -> bool {
+        !self.before.model.is_empty()
+    }
+
+    /// A new pose begins: the model matrices become those of the pose before, if it is kept, and are stale until they are updated.
+    pub(crate) fn begin(&mut self) {
+        if self.keeps_before() {
+            core::mem::swap(&mut self.before.model, &mut self.model);
+            (self.before.back, self.before.begun) = (0.0, true);
+        }
+    }
+
+    /// The pose is done, and is shown after the one before. `jumped`: there is no way from that to this one.
+    pub(crate) fn keep_before(&mut self, jumped: bool) {
+        let before = &mut self.before;
+        if jumped || !core::mem::take(&mut before.begun) || before.model.len() != self.model.len() {
+            before.model.clear();
+            before.model.extend_from_slice(&self.model);
+        }
+    }
+
+    /// The same where `before` was kept elsewhere.
+    pub(crate) fn take_before(&mut self, before: Vec<JointMatrix>) {
+        self.before = Before { model: before, back: 0.0, begun: true };
+    }
+
+    /// Keeps the pose before no longer; gives it.
+    pub(crate) fn forget_before(&mut self) -> Vec<JointMatrix> {
+        core::mem::take(&mut self.before).model
+    }
+
+    /// Shows what lies `share` of the way from the pose before, 0..=1.
+    pub(crate) fn show(&mut self, share: f32) {
+        self.before.back = (1.0 - share).clamp(0.0, 1.0);
+    }
+
     /// Takes the model matrices and puts as many others in their place.
-    pub(crate) fn swap_models(&mut self, models: &mut Vec<Affine3A>) {
+    pub(crate) fn swap_models(&mut self, models: &mut Vec<JointMatrix>) {
         debug_assert_eq!(models.len(), self.model.len(), "matrices of another skeleton");
         core::mem::swap(&mut self.model, models);
     }
@@ -115,18 +196,41 @@ impl Pose {
             return;
         }
         if skeleton.is_whole_branch(joint) {
-            let offset = Vec3A::from(offset_model);
-            self.model[skeleton.branch(joint)].iter_mut().for_each(|model| model.translation += offset);
+            self.model[skeleton.branch(joint)].iter_mut().for_each(|model| model.shift(offset_model));
         } else {
             self.update_model_below(skeleton, joint);
+        }
+    }
+
+    /// The same, but model matrices of `joints` alone are kept up to date, parents first.
+    pub fn shift_model_of(
+        &mut self,
+        skeleton: &Skeleton,
+        joint: JointIndex,
+        offset_model: Vec3,
+        joints: &[JointIndex],
+    ) {
+        if !self.shift_local(skeleton, joint, offset_model) {
+            return;
+        }
+        if skeleton.is_whole_branch(joint) {
+            let branch = skeleton.branch(joint);
+            for below in joints.iter().filter(|below| branch.contains(&below.index())) {
+                self.model[below.index()].shift(offset_model);
+            }
+        } else {
+            self.update_model_of(skeleton, joints);
         }
     }
 
     /// Moves `joint` by `offset_model` (model space) in its local transform alone: model matrices are stale afterwards. Gives
     /// false, and moves nothing, where that is nowhere.
     pub fn shift_local(&mut self, skeleton: &Skeleton, joint: JointIndex, offset_model: Vec3) -> bool {
-        let above = skeleton.parent(joint).map_or(skeleton.model_from_root, |parent| self.model(parent));
-        let translation = self.local(joint).translation + above.inverse().transform_vector3(offset_model);
+        let above = match skeleton.parent(joint) {
+            Some(parent) => self.model[parent.index()],
+            None => skeleton.model_from_root.into(),
+        };
+        let translation = self.local(joint).translation + above.inverse_transform_vector3(offset_model);
         if translation.is_finite() {
             self.local[joint.index()].translation = translation;
         }
@@ -135,8 +239,7 @@ impl Pose {
 
     /// Model matrix of `joint` alone, from its local transform and its parent's matrix.
     pub fn update_joint(&mut self, skeleton: &Skeleton, joint: JointIndex) {
-        let above = skeleton.parent(joint).map_or(skeleton.model_from_root, |parent| self.model[parent.index()]);
-        self.model[joint.index()] = self.local[joint.index()].below(&above);
+        self.update_models(skeleton, core::iter::once(joint.index()));
     }
 
     /// Turns `joint` by `rotation_model` (model space, about the joint) in place of its local rotation.
@@ -150,7 +253,7 @@ impl Pose {
     /// Rotation of the joint in model space; scale and mirroring taken out.
     #[must_use]
     pub fn rotation(&self, joint: JointIndex) -> Quat {
-        rotation_of(&self.model[joint.index()])
+        self.shown(joint.index()).rotation()
     }
 
     /// Rotation, in model space, of what `joint` hangs on.
@@ -169,27 +272,14 @@ impl Pose {
 
     fn update_models(&mut self, skeleton: &Skeleton, joints: impl Iterator<Item = usize>) {
         debug_assert_eq!(self.local.len(), skeleton.len(), "a pose belongs to the skeleton it was made for");
-        let parents = skeleton.parents();
-        for index in joints {
-            let above = parents[index].map_or(&skeleton.model_from_root, |p| &self.model[p.index()]);
-            self.model[index] = self.local[index].below(above);
-        }
+        write_models(skeleton, &self.local, joints, &mut self.model);
     }
 }
-
-/// Difference from 1 of the square of an axis' length up to which it counts as unscaled: rounding of a long chain.
-const UNSCALED: f32 = 1e-4;
 
 /// Rotation part of a matrix; the identity where an axis is squashed to nothing.
 #[must_use]
 pub fn rotation_of(matrix: &Affine3A) -> Quat {
-    let axes = matrix.matrix3;
-    let unscaled = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| (axis.length_squared() - 1.0).abs() < UNSCALED);
-    if unscaled == [true; 3] && axes.x_axis.cross(axes.y_axis).dot(axes.z_axis) > 0.0 {
-        return Quat::from_mat3a(&axes).normalize();
-    }
-    let rotation = matrix.to_scale_rotation_translation().1;
-    if rotation.is_finite() && rotation.length_squared() > 0.5 { rotation } else { Quat::IDENTITY }
+    JointMatrix::from(*matrix).rotation()
 }
 
 #[cfg(test)]

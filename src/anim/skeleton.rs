@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use bevy::math::{Affine3A, Mat3A, Quat, Vec3, Vec3A, Vec3Swizzles, Vec4};
+use bevy::math::{Affine3A, Quat, Vec3};
 
 /// Index of a joint in its [`Skeleton`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -35,31 +35,6 @@ impl JointTransform {
     #[must_use]
     pub fn to_affine(self) -> Affine3A {
         Affine3A::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
-    }
-
-    /// `above * self.to_affine()`, to the last bit, without building that matrix: this is done for every joint of every pose.
-    #[must_use]
-    #[inline]
-    pub fn below(&self, above: &Affine3A) -> Affine3A {
-        let quat = Vec4::from(self.rotation);
-        let (parts, twice) = (Vec3A::from_vec4(quat), Vec3A::from_vec4(quat + quat));
-        let squares = parts * twice;
-        // yz, zx, xy and wx, wy, wz, twice each.
-        let (products, turns) = (parts.yzx() * twice.zxy(), twice * Vec3A::splat(quat.w));
-        let scale = Vec3A::from(self.scale);
-        let diagonal = (Vec3A::ONE - (squares.yxx() + squares.zzy())) * scale;
-        let (plus, minus) = ((products + turns) * scale.yzx(), (products - turns) * scale.zxy());
-        let axes = above.matrix3;
-        let along = |x: Vec3A, y: Vec3A, z: Vec3A| axes.x_axis * x + axes.y_axis * y + axes.z_axis * z;
-        let at = Vec3A::from(self.translation);
-        Affine3A {
-            matrix3: Mat3A::from_cols(
-                along(diagonal.xxx(), plus.zzz(), minus.yyy()),
-                along(minus.zzz(), diagonal.yyy(), plus.xxx()),
-                along(plus.yyy(), minus.xxx(), diagonal.zzz()),
-            ),
-            translation: along(at.xxx(), at.yyy(), at.zzz()) + above.translation,
-        }
     }
 }
 
@@ -229,25 +204,6 @@ impl Skeleton {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-
-    fn number() -> impl Strategy<Value = f32> {
-        -2.0f32..2.0
-    }
-
-    proptest! {
-        #[test]
-        fn a_joint_below_another_is_the_product_of_both(n in proptest::collection::vec(number(), 22)) {
-            let vec3 = |first: usize| Vec3::from_slice(&n[first..]);
-            let above = Affine3A {
-                matrix3: Mat3A::from_cols(vec3(0).into(), vec3(3).into(), vec3(6).into()),
-                translation: vec3(9).into(),
-            };
-            let rotation = Quat::from_slice(&n[12..]);
-            let joint = JointTransform { translation: vec3(16), rotation, scale: vec3(19) };
-            prop_assert_eq!(joint.below(&above), above * joint.to_affine());
-        }
-    }
 
     #[test]
     fn a_parent_after_its_child_is_refused() {

@@ -14,7 +14,7 @@ use super::{
 use crate::{
     anim::{
         block::{Actor, Layer, Play, Species, Workspace, pose},
-        skin::JointMatrix,
+        matrix::JointMatrix,
     },
     rig::character::CharacterAsset,
 };

@@ -3,7 +3,7 @@
 //! Reads [`CharacterPose`] at the end of each tick and writes its model pose in each frame. Joints go from place to place on
 //! straight lines in model space, not by their turns: a foot that stands still in both ticks stands still between them.
 
-use bevy::{math::Affine3A, prelude::*, utils::Parallel};
+use bevy::{prelude::*, utils::Parallel};
 
 use super::{
     Character,
@@ -15,15 +15,17 @@ use super::{
     schedule::{PoseClock, PoseSystems},
 };
 use crate::anim::{
-    blend::{between_models, lerp},
+    blend::lerp,
+    matrix::{JointMatrix, move_toward, write_between},
     pose::Pose,
     skeleton::{JointTransform, Skeleton},
 };
 
-/// The poses of the last two ticks, or steps, the older one first. Its buffers are made when it is first posed.
+/// The poses of the last two ticks, or steps, the older one first, of who has a [`Detail`](super::detail::Detail) or [`ShowLocals`]: of
+/// others the [pose](CharacterPose) itself keeps the one before. Its buffers are made when it is first posed.
 #[derive(Component, Clone, Debug, Default)]
 pub struct Ticked {
-    models: [Vec<Affine3A>; 2],
+    models: [Vec<JointMatrix>; 2],
     /// Empty for who has no [`ShowLocals`].
     locals: [Vec<JointTransform>; 2],
     teleports: u32,
@@ -81,12 +83,38 @@ impl Ticked {
         swap(pose, &mut other);
     }
 
+    /// Whether the body was put elsewhere since this was asked last.
+    fn jumped(&mut self, motion: &MotionState) -> bool {
+        core::mem::replace(&mut self.teleports, motion.teleports) != motion.teleports
+    }
+
+    /// It keeps both poses from now on, of which the pose itself kept one so far.
+    fn take_over(&mut self, pose: &mut Pose) {
+        if pose.keeps_before() {
+            *self = Self { models: [Vec::new(), pose.forget_before()], teleports: self.teleports, ..Self::default() };
+        }
+    }
+
+    /// The same in a frame, for a pose that is to be changed in it.
+    fn take_over_shown(&mut self, pose: &mut Pose) {
+        self.models = [pose.forget_before(), pose.models().to_vec()];
+        self.locals = [pose.locals().to_vec(), pose.locals().to_vec()];
+    }
+
+    /// The pose itself keeps the one before from now on.
+    fn leave(&mut self, pose: &mut Pose) {
+        let [_, last] = core::mem::take(&mut self.models);
+        if last.len() == pose.len() && !self.stale {
+            pose.take_before(last);
+        }
+        *self = Self { teleports: self.teleports, ..Self::default() };
+    }
+
     /// From now on ticks are recorded again: the last one was seen `share` of the way between the steps.
     fn end_steps(&mut self, share: f32) {
         let [from, to] = &mut self.models;
-        for (from, to) in from.iter().zip(to) {
-            *to = between_models(from, to, share);
-        }
+        move_toward(from, to, share);
+        self.models.swap(0, 1);
         let [from, to] = &mut self.locals;
         for (from, to) in from.iter().zip(to) {
             *to = lerp(*from, *to, share);
@@ -96,12 +124,10 @@ impl Ticked {
     /// The pose that lies `share` of the way from the older pose to the newer one.
     fn show(&self, pose: &mut Pose, share: f32) {
         let [from, to] = &self.models;
-        if to.len() != pose.len() {
+        if to.len() != pose.len() || from.len() != pose.len() {
             return;
         }
-        for ((seen, from), to) in pose.models_mut().iter_mut().zip(from).zip(to) {
-            *seen = between_models(from, to, share);
-        }
+        write_between(from, to, share, pose.models_mut());
         let [from, to] = &self.locals;
         for ((seen, from), to) in pose.locals_mut().iter_mut().zip(from).zip(to) {
             *seen = lerp(*from, *to, share);
@@ -139,6 +165,14 @@ fn record(
 ) {
     characters.par_iter_mut().for_each(|(character, mut pose, motion, detail, locals, mut ticked)| {
         let mut returns = false;
+        if detail.is_none() && !locals {
+            if !ticked.models[1].is_empty() {
+                ticked.leave(&mut pose.pose);
+            }
+            let jumped = ticked.jumped(motion);
+            return pose.pose.keep_before(jumped);
+        }
+        ticked.take_over(&mut pose.pose);
         if let Some((pacing, ease)) = detail {
             if pacing.mode == Mode::ClipsOnly(ClipsOnly::Alone) {
                 (ticked.stale, ticked.direct) = (true, false);
@@ -166,7 +200,7 @@ fn record(
             ticked.direct = steps.is_some();
         }
         ticked.stale = false;
-        let jumped = core::mem::replace(&mut ticked.teleports, motion.teleports) != motion.teleports;
+        let jumped = ticked.jumped(motion);
         ticked.record(&mut pose.pose, locals, jumped || returns);
     });
 }
@@ -174,13 +208,21 @@ fn record(
 fn show(
     fixed: Res<Time<Fixed>>,
     clock: Res<PoseClock>,
-    mut characters: Query<(&Ticked, Option<(&Pacing, &Ease)>, &mut CharacterPose)>,
+    mut characters: Query<(&mut Ticked, Option<(&Pacing, &Ease)>, Has<ShowLocals>, &mut CharacterPose)>,
 ) {
     let overstep = fixed.overstep_fraction();
     let (share, after) = (clock.share(overstep), clock.shown_secs(overstep));
-    characters.par_iter_mut().for_each(|(ticked, detail, mut pose)| match detail {
-        Some((pacing, _)) if matches!(pacing.mode, Mode::Hidden | Mode::ClipsOnly(ClipsOnly::Alone)) => {}
-        Some((_, ease)) if ticked.direct => ticked.show(&mut pose.pose, ease.seen(after)),
-        _ => ticked.show(&mut pose.pose, share),
+    characters.par_iter_mut().for_each(|(mut ticked, detail, locals, mut pose)| {
+        if pose.pose.keeps_before() {
+            if !locals {
+                return pose.pose.show(share);
+            }
+            ticked.take_over_shown(&mut pose.pose);
+        }
+        match detail {
+            Some((pacing, _)) if matches!(pacing.mode, Mode::Hidden | Mode::ClipsOnly(ClipsOnly::Alone)) => {}
+            Some((_, ease)) if ticked.direct => ticked.show(&mut pose.pose, ease.seen(after)),
+            _ => ticked.show(&mut pose.pose, share),
+        }
     });
 }

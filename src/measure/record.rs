@@ -9,7 +9,8 @@ use super::{
 };
 use crate::{
     anim::{
-        blend::{between_models, lerp_into},
+        blend::lerp_into,
+        matrix::move_toward,
         peak::{JointMotion, Peak},
         pose::Pose,
     },
@@ -117,9 +118,7 @@ impl Recorder {
             let share = (1.0 - self.since / dt).clamp(0.0, 1.0);
             let mut pose = last.pose.clone();
             lerp_into(pose.locals_mut(), seen.pose.locals(), share);
-            for (from, to) in pose.models_mut().iter_mut().zip(seen.pose.models()) {
-                *from = between_models(from, to, share);
-            }
+            move_toward(pose.models_mut(), seen.pose.models(), share);
             let root = Transform {
                 translation: last.root.translation.lerp(seen.root.translation, share),
                 rotation: last.root.rotation.slerp(seen.root.rotation, share),

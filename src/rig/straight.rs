@@ -41,7 +41,7 @@ impl Rig {
         for skin in &mut rig.skins {
             for (joint, inverse_bind) in skin.joints.iter_mut().zip(&mut skin.inverse_bind) {
                 if change.mirrored[joint.index()] {
-                    *inverse_bind = MIRROR * *inverse_bind;
+                    *inverse_bind = (MIRROR * inverse_bind.to_affine()).into();
                 }
                 *joint = new(*joint);
             }

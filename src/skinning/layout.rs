@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-pub use crate::anim::skin::JointMatrix;
+pub use crate::anim::matrix::JointMatrix;
 
 /// What a mesh instance is drawn with: `Instance` of `shaders/skinning.wgsl`, 32 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

@@ -138,7 +138,7 @@ fn prepare(
 fn homes(part: ModelPart, rig: &Rig) -> Vec<Vec3> {
     let ModelPart::Skin(skin) = part else { return Vec::new() };
     let binds = rig.skins.get(skin).map_or(&[][..], |skin| &skin.inverse_bind);
-    binds.iter().map(|bind| bind.inverse().translation.into()).collect()
+    binds.iter().map(|bind| bind.inverse().translation()).collect()
 }
 
 /// How far each level is off, as a share of the largest side of all that is drawn.

@@ -226,8 +226,8 @@ fn write_palette(part: ModelPart, rig: &Rig, pose: &Pose, matrices: &mut [JointM
             }
         }
         ModelPart::Joint(joint) => {
-            if let (Some(matrix), Some(model_from_joint)) = (matrices.first_mut(), pose.models().get(joint.index())) {
-                *matrix = (*model_from_joint).into();
+            if let Some(matrix) = matrices.first_mut().filter(|_| joint.index() < pose.len()) {
+                *matrix = pose.model(joint).into();
             }
         }
     }

@@ -1,8 +1,8 @@
 //! Arm and head point where a character aims, whatever its legs do.
 
-use bevy::{math::Affine3A, prelude::*};
+use bevy::prelude::*;
 use surefoot::{
-    anim::leg::Leg,
+    anim::{leg::Leg, matrix::JointMatrix},
     character::{aim::Aiming, animator::CharacterPose, intent::MoveIntent},
     rig::{
         humanoid::HumanoidRole::{
@@ -165,7 +165,7 @@ fn a_nonsensical_aim_is_none() {
     for steep in [Vec3::Y, Vec3::NEG_Y, Vec3::new(1e-20, 1e-20, 0.0)] {
         stage.intend(walker, aim(Vec3::ZERO, Some(steep))).run_for(0.6);
         let pose = &stage.get::<CharacterPose>(walker).expect("bound").pose;
-        assert!(pose.models().iter().all(Affine3A::is_finite), "{steep} breaks the pose");
+        assert!(pose.models().iter().all(JointMatrix::is_finite), "{steep} breaks the pose");
     }
 }
 

@@ -3,7 +3,7 @@
 use avian3d::prelude::*;
 use bevy::{ecs::system::RunSystemOnce, prelude::*};
 use surefoot::{
-    anim::skin::JointMatrix,
+    anim::matrix::JointMatrix,
     character::{
         Character,
         animator::{Actions, CharacterPose},

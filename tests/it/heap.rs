@@ -20,9 +20,10 @@ use surefoot::{
         clip::Clip,
         curve::{Curve, Interpolation},
         ik::two_bone::Extension,
+        matrix::JointMatrix,
         pose::Pose,
         skeleton::{JointIndex, JointTransform, Skeleton},
-        skin::{JointMatrix, Skin},
+        skin::Skin,
     },
     character::{animator::Actions, intent::MoveIntent, schedule::MotionSystems},
     measure::record::Recorder,
@@ -65,7 +66,7 @@ fn a_crowd_is_posed_without_the_heap() {
     let joints = (0..4).map(|i: u16| (i.to_string(), i.checked_sub(1).map(JointIndex), step));
     let skeleton = Skeleton::new(joints, Affine3A::IDENTITY).unwrap();
     let rest = Pose::rest(&skeleton);
-    let inverse_bind = rest.models().iter().map(Affine3A::inverse).collect();
+    let inverse_bind = rest.models().iter().map(JointMatrix::inverse).collect();
     let skin = Skin { joints: skeleton.joints().collect(), inverse_bind };
     let clips = [0.3, 0.8].map(|angle| swing(&skeleton, angle));
     let sources = [RowSource::new(&clips[0], Precision::Float), RowSource::new(&clips[1], Precision::Short)];

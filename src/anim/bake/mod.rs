@@ -182,6 +182,7 @@ impl ClipCurves {
             let pairs = exact.models().iter().zip(baked.models());
             pairs
                 .map(|(a, b)| {
+                    let [a, b] = [a, b].map(|matrix| matrix.to_affine());
                     let turned = [a.x_axis - b.x_axis, a.y_axis - b.y_axis, a.z_axis - b.z_axis];
                     let turned = turned.into_iter().map(Vec3A::length).fold(0.0, f32::max);
                     a.translation.distance(b.translation) + turned * lever
@@ -228,8 +229,8 @@ impl ClipCurves {
 /// Half the largest distance between two joints at rest, about; metres in model space, at least a millimetre.
 fn size(skeleton: &Skeleton) -> f32 {
     let rest = Pose::rest(skeleton);
-    let root = rest.models().first().map(|root| root.translation).unwrap_or_default();
-    rest.models().iter().map(|joint| joint.translation.distance(root)).fold(1e-3, f32::max)
+    let root = rest.positions().next().unwrap_or_default();
+    rest.positions().map(|joint| joint.distance(root)).fold(1e-3, f32::max)
 }
 
 /// Flips signs so that neighbours lie on one side and interpolate the short way.

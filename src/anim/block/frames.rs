@@ -74,7 +74,7 @@ impl Frames {
             let parent = frames.above(joint);
             let scale = rest.scale.abs().max_element();
             let chained = Frame { turn: (parent.turn * rest.rotation).normalize(), scale: parent.scale * scale };
-            frames.joints.push(Frame::of(bind).or_near(chained));
+            frames.joints.push(Frame::of(&bind.to_affine()).or_near(chained));
         }
         frames
     }

@@ -33,7 +33,7 @@ mod transpose;
 use bevy::math::{Quat, Vec3};
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::skin::JointMatrix;
+use super::matrix::JointMatrix;
 use aligned::Rows32;
 use lanes::LANES;
 pub use locals::{ClipSet, LocalWorkspace};

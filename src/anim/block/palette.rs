@@ -11,7 +11,7 @@ use super::{
     species::{Rest, Species},
     transpose::transpose_halves,
 };
-use crate::anim::skin::JointMatrix;
+use crate::anim::matrix::JointMatrix;
 
 /// Writes the palettes of `actors`, one lane each. `spare` has room for the palettes of a block.
 #[inline(always)]

@@ -211,12 +211,13 @@ impl Rows {
                 pose.update_model(skeleton);
             }
             for (a, b) in own.models().iter().zip(other.models()) {
+                let [a, b] = [a, b].map(|matrix| matrix.to_affine());
                 for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
                     // The joint may be in centimetres; 3 cm are meant in the model.
                     let out = |m: &bevy::math::Affine3A| {
                         m.translation + m.transform_vector3a(axis.into()).normalize_or_zero() * LEVER
                     };
-                    max_error = max_error.max(out(a).distance(out(b)));
+                    max_error = max_error.max(out(&a).distance(out(&b)));
                 }
             }
         }

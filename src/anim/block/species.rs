@@ -195,7 +195,8 @@ impl Species {
         }
         let mut rests = Vec::new();
         let slots = parts.skin.joints.iter().zip(&parts.skin.inverse_bind);
-        let slots = slots.map(|(joint, inverse)| Slot::new(&frames, *joint, inverse, &mut rests)).collect();
+        let slots =
+            slots.map(|(joint, inverse)| Slot::new(&frames, *joint, &inverse.to_affine(), &mut rests)).collect();
         let clips = parts.clips.iter().map(|source| Rows::new(skeleton, &frames, &channels, source)).collect();
         let masks = parts.masks.iter().map(|mask| channels.mask_row(mask)).collect();
         Ok(Self {

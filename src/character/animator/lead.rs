@@ -3,16 +3,14 @@
 //! Each stage moves the model matrices of ankles and toes alone; hips and knees stay as the joints above carry them, until
 //! foot IK, or else the `Model` stage, turns the legs. Model space, metres.
 
-use bevy::{
-    math::{Affine3A, Mat3A, Vec3A},
-    prelude::*,
-};
+use bevy::{math::Affine3A, prelude::*};
 
 use super::CharacterPose;
 use crate::{
     anim::{
         ik::two_bone::{Limb, soften},
         leg::Leg,
+        matrix::JointMatrix,
         pose::Pose,
         skeleton::{JointIndex, Skeleton},
     },
@@ -74,17 +72,12 @@ impl CharacterPose {
 
     /// Turns a foot by `turn` and puts its ankle to `ankle`; it leads its leg from now on.
     pub(super) fn lead_foot(&mut self, leg: &Leg, turn: Quat, ankle: Vec3) {
-        let (turn, from) = (Mat3A::from_quat(turn), self.pose.position(leg.foot));
-        let moved = |model: Affine3A| Affine3A {
-            matrix3: turn * model.matrix3,
-            translation: (ankle + Vec3::from(turn * (model.translation - Vec3A::from(from)))).into(),
-        };
-        let models = self.pose.models_mut();
-        let foot = moved(models[leg.foot.index()]);
-        if let Some(toes) = leg.toes {
-            models[toes.index()] = moved(models[toes.index()]);
+        let from = self.pose.position(leg.foot);
+        let placed = JointMatrix::from(Affine3A::from_rotation_translation(turn, ankle - turn * from));
+        for joint in joints(leg).into_iter().take(if leg.toes.is_some() { 2 } else { 1 }) {
+            let model = &mut self.pose.models_mut()[joint.index()];
+            *model = placed * *model;
         }
-        models[leg.foot.index()] = foot;
         self.keep_within_reach(leg);
         self.feet_lead = true;
     }
@@ -96,7 +89,7 @@ impl CharacterPose {
         if distance > CLIP_EXTENSION.soft * length {
             let back = out * (soften(distance, length, CLIP_EXTENSION) / distance - 1.0);
             for joint in leg.toes.into_iter().chain([leg.foot]) {
-                self.pose.models_mut()[joint.index()].translation += Vec3A::from(back);
+                self.pose.models_mut()[joint.index()].shift(back);
             }
         }
     }

@@ -105,7 +105,9 @@ impl CharacterPose {
         ease: impl FnOnce(&mut Inertializer, &mut [JointTransform]) -> bool,
     ) -> Option<()> {
         let corrects = self.sample(asset, plays, scratch)?;
-        let blended = corrects.then(|| feet::ankles(self.pose.locals(), &asset.skeleton, &asset.legs));
+        // What eases moves the feet away from where the clips have them.
+        let early = (corrects && self.inertializer.remembers())
+            .then(|| feet::ankles(self.pose.locals(), &asset.skeleton, &asset.legs));
         let eases = ease(&mut self.inertializer, self.pose.locals_mut());
         self.feet_lead = false;
         self.pose.update_model_of(&asset.skeleton, &asset.trunk);
@@ -114,7 +116,14 @@ impl CharacterPose {
                 keep_bent(&mut self.pose, &asset.skeleton, leg);
             }
         }
-        if let Some(blended) = blended {
+        if corrects {
+            let blended = early.unwrap_or_else(|| {
+                asset.legs.each_ref().map(|leg| JointTransform {
+                    translation: self.pose.position(leg.foot),
+                    rotation: self.pose.rotation(leg.foot),
+                    scale: Vec3::ONE,
+                })
+            });
             let wanted = self.feet.ankles();
             for ((leg, wanted), blended) in asset.legs.iter().zip(wanted).zip(blended) {
                 let ankle = self.pose.position(leg.foot) + wanted.translation - blended.translation;
@@ -205,6 +214,7 @@ impl CharacterPose {
         joins: bool,
         dt: f32,
     ) {
+        self.pose.begin();
         let taken = carried_over(locomotion);
         if taken.is_some() && !self.inertializer.remembers() {
             self.recall(asset, scratch);

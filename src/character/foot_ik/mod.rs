@@ -310,7 +310,7 @@ impl FootIk {
             if !body.asset.skeleton.is_whole_branch(body.asset.hips) {
                 pose.set_legs(body.asset);
             }
-            pose.pose.shift_model(&body.asset.skeleton, body.asset.hips, Vec3::Y * offset);
+            pose.pose.shift_model_of(&body.asset.skeleton, body.asset.hips, Vec3::Y * offset, &body.asset.trunk);
         }
     }
 }

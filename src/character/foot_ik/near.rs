@@ -3,14 +3,17 @@
 //! World space, metres. Heightfields are asked for their height; all else is cast at.
 
 use arrayvec::ArrayVec;
-use avian3d::prelude::*;
+use avian3d::{
+    collider_tree::{ColliderTree, ColliderTrees},
+    prelude::*,
+};
 use bevy::{ecs::system::SystemParam, math::Vec3A, prelude::*};
 
 use super::{
     ground::{GroundHit, Probe, Reach},
     probe::{GroundFilter, NoGround, PhysicsProbe},
 };
-use crate::character::motion::{CharacterMotion, FieldGround, UprightField};
+use crate::character::motion::{CharacterMotion, FieldGround, Movers, UprightField};
 
 /// Colliders near one character beyond which the world is searched after all.
 const MOST: usize = 24;
@@ -20,6 +23,9 @@ const MOST: usize = 24;
 pub struct Grounds<'w, 's> {
     spatial: SpatialQuery<'w, 's>,
     no_ground: Query<'w, 's, (), NoGround>,
+    trees: Res<'w, ColliderTrees>,
+    /// Where controllers run: spares a search among all characters.
+    movers: Option<Res<'w, Movers>>,
     solids: Query<
         'w,
         's,
@@ -72,9 +78,9 @@ impl Grounds<'_, '_> {
         near.solids.clear();
         let mut all = true;
         let region = ColliderAabb::from_min_max(reach.root - half, reach.root + half);
-        self.spatial.aabb_intersections_with_aabb_callback(region, |entity| {
+        let mut gather = |entity: Entity| {
             let Ok((collider, position, rotation, bounds, layers)) = self.solids.get(entity) else { return true };
-            if !filter.0.test(entity, layers.copied().unwrap_or_default()) {
+            if !bounds.intersects(&region) || !filter.0.test(entity, layers.copied().unwrap_or_default()) {
                 return true;
             }
             let field = collider.shape_scaled().as_heightfield();
@@ -82,7 +88,19 @@ impl Grounds<'_, '_> {
             let solid = Solid { entity, collider, position: position.0, rotation: *rotation, bounds: *bounds, field };
             all = near.solids.try_push(solid).is_ok();
             all
-        });
+        };
+        let mut search = |tree: &ColliderTree| {
+            tree.aabb_traverse(region.into(), |id| tree.get_proxy(id).is_none_or(|proxy| gather(proxy.collider)));
+        };
+        search(&self.trees.static_tree);
+        search(&self.trees.dynamic_tree);
+        search(&self.trees.standalone_tree);
+        match self.movers.as_ref().and_then(|movers| movers.others(&self.trees)) {
+            Some(others) => others.iter().for_each(|other| {
+                gather(*other);
+            }),
+            None => search(&self.trees.kinematic_tree),
+        }
         let (least, most) = (reach.root - half, reach.root + half);
         (near.least, near.most) =
             if all { (least.into(), most.into()) } else { (Vec3A::INFINITY, Vec3A::NEG_INFINITY) };

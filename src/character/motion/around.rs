@@ -5,6 +5,7 @@
 use std::borrow::Cow;
 
 use avian3d::{
+    collision::collider::contact_query::contact_manifolds,
     parry::{
         math::{Pose, Vector},
         query::{self, ShapeCastOptions},
@@ -116,6 +117,35 @@ impl Solid<'_> {
         let mine = UprightCapsule::of(shape, Frame { position: at, rotation: Quat::IDENTITY });
         let theirs = UprightCapsule::of(self.shape, self.frame);
         mine.zip(theirs).is_none_or(|(mine, theirs)| mine.depth_in(&theirs) > depth)
+    }
+
+    /// Calls `found` with the way out and the depth, where `shape` of `me`, upright at `at`, stands in it deeper than `least`: for each
+    /// part that it stands in.
+    pub(super) fn ways_out(
+        &self,
+        (me, shape, at): (Entity, &Collider, Vec3),
+        least: f32,
+        mut found: impl FnMut(Dir3, f32),
+    ) {
+        let mut out = |way: Vec3, depth: f32| {
+            if let (true, Ok(way)) = (depth > least, Dir3::new(way)) {
+                found(way, depth);
+            }
+        };
+        let mine = UprightCapsule::of(shape, Frame { position: at, rotation: Quat::IDENTITY });
+        if let (Some(mine), Some(theirs)) = (mine, UprightCapsule::of(self.shape, self.frame)) {
+            // Of two in one place each goes another way.
+            let beside = if me < self.body { Vec3::X } else { Vec3::NEG_X };
+            return out(mine.way_out_of(&theirs, beside), mine.depth_in(&theirs));
+        }
+        let mut manifolds = Vec::new();
+        let Frame { position, rotation } = self.frame;
+        contact_manifolds(shape, at, Quat::IDENTITY, self.shape, position, rotation, 0.0, &mut manifolds);
+        for manifold in &manifolds {
+            if let Some(deepest) = manifold.find_deepest_contact() {
+                out(-manifold.normal, deepest.penetration);
+            }
+        }
     }
 
     /// Whether a shape on its way may touch it: its bounds, and the surface itself of a heightfield.

@@ -41,9 +41,18 @@ impl UprightCapsule {
 
     /// Metres by which the two reach into each other; negative where they are apart.
     pub(super) fn depth_in(&self, other: &Self) -> f32 {
+        self.radius + other.radius - self.apart(other).length()
+    }
+
+    /// Which way leads out of the other: a unit vector; `beside` where their axes cross.
+    pub(super) fn way_out_of(&self, other: &Self, beside: Vec3) -> Vec3 {
+        self.apart(other).normalize_or(beside)
+    }
+
+    /// From the other's axis to its own.
+    fn apart(&self, other: &Self) -> Vec3 {
         let way = self.foot - other.foot;
-        let apart = way - Vec3::Y * way.y.clamp(-self.length, other.length);
-        self.radius + other.radius - apart.length()
+        way - Vec3::Y * way.y.clamp(-self.length, other.length)
     }
 }
 

@@ -108,9 +108,14 @@ impl<'a> UprightField<'a> {
         self.statuses.get(row + column * self.rows).copied().unwrap_or(HeightFieldCellStatus::CELL_REMOVED)
     }
 
-    /// Calls `found` with every triangle, in the world, whose cell reaches into the span. False, and nothing called, for a field
-    /// that is turned about the vertical.
-    pub(super) fn triangles_in(&self, span: Span, mut found: impl FnMut([Vec3; 3])) -> bool {
+    /// Calls `found` with every triangle, in the world, whose cell reaches into the span and is `worth` it by its corners. False, and
+    /// nothing called, for a field that is turned about the vertical.
+    pub(super) fn triangles_in(
+        &self,
+        span: Span,
+        worth: impl Fn(&[Vec3; 4]) -> bool,
+        mut found: impl FnMut([Vec3; 3]),
+    ) -> bool {
         if self.turn.is_some() {
             return false;
         }
@@ -135,6 +140,9 @@ impl<'a> UprightField<'a> {
                 let c = corner(column + 1, row, beside);
                 let d = corner(column + 1, row + 1, across);
                 if a.y.min(b.y).min(c.y).min(d.y) > span.most.y || a.y.max(b.y).max(c.y).max(d.y) < span.least.y {
+                    continue;
+                }
+                if !worth(&[a, b, c, d]) {
                     continue;
                 }
                 let status = self.status(column, row);
@@ -220,7 +228,7 @@ mod tests {
             let upright = UprightField::new(&field, position, Quat::IDENTITY).expect("it stands upright");
             let span = Span { least: Vec3::new(x, y, z), most: Vec3::new(x + size, y + 0.3 * size, z + size) };
             let mut sums = [Vec3::ZERO; 2];
-            prop_assert!(upright.triangles_in(span, |triangle| sums[0] += triangle.iter().sum::<Vec3>()));
+            prop_assert!(upright.triangles_in(span, |_| true, |triangle| sums[0] += triangle.iter().sum::<Vec3>()));
             let [least, most] = [span.least, span.most].map(|v| v - position).map(|v| Vector::new(v.x, v.y, v.z));
             field.map_elements_in_local_aabb(&Aabb::new(least, most), &mut |_, triangle| {
                 let corners = [triangle.a, triangle.b, triangle.c];
@@ -235,7 +243,7 @@ mod tests {
         let field = field();
         let upright = UprightField::new(&field, Vec3::ZERO, Quat::from_rotation_y(0.5)).expect("it stands upright");
         let everywhere = Span { least: Vec3::splat(-9.0), most: Vec3::splat(9.0) };
-        assert!(!upright.triangles_in(everywhere, |triangle| panic!("{triangle:?}")));
+        assert!(!upright.triangles_in(everywhere, |_| true, |triangle| panic!("{triangle:?}")));
     }
 
     #[test]

@@ -3,6 +3,8 @@
 //! A cast by the physics engine tries every triangle of the grid cells below a shape, however far below; for a crowd on
 //! terrain that is most of the time. World space, metres.
 
+use core::cell::Cell;
+
 use avian3d::{
     parry::{bounding_volume::Aabb, math::Vector, shape::HeightField},
     prelude::Collider,
@@ -13,6 +15,9 @@ use super::{field::UprightField, frame::Frame};
 
 /// Slack in metres around an edge, so that no seam lies between two triangles.
 const SEAM: f32 = 1e-5;
+
+/// Metres over the plane that a ball rests on up to which nothing else is looked at: rounding, some way from the origin.
+const FLUSH: f32 = 1e-5;
 
 /// Metres by which a shape has to miss a triangle's plane.
 const SLACK: f32 = 1e-3;
@@ -83,10 +88,17 @@ pub(super) struct Rest {
     pub(super) point: Vec3,
 }
 
-/// Calls `found` with every triangle of the field, in the world, whose cell reaches into the span.
-fn triangles_in(field: &HeightField, frame: Frame, span: Span, mut found: impl FnMut([Vec3; 3])) {
+/// Calls `found` with every triangle of the field, in the world, whose cell reaches into the span; where corners of cells are at hand, of
+/// those alone that are `worth` it.
+fn triangles_in(
+    field: &HeightField,
+    frame: Frame,
+    span: Span,
+    worth: impl Fn(&[Vec3; 4]) -> bool,
+    mut found: impl FnMut([Vec3; 3]),
+) {
     if UprightField::new(field, frame.position, frame.rotation)
-        .is_some_and(|field| field.triangles_in(span, &mut found))
+        .is_some_and(|field| field.triangles_in(span, worth, &mut found))
     {
         return;
     }
@@ -104,7 +116,8 @@ fn triangles_in(field: &HeightField, frame: Frame, span: Span, mut found: impl F
 /// Whether a shape on its way may touch any triangle of the field.
 pub(super) fn reaches_into(field: &HeightField, frame: Frame, sweep: &Sweep) -> bool {
     let mut reaches = false;
-    triangles_in(field, frame, sweep.span, |triangle| {
+    let worth = |_: &[Vec3; 4]| true;
+    triangles_in(field, frame, sweep.span, worth, |triangle| {
         let [a, b, c] = triangle;
         let bounds = Span { least: a.min(b).min(c), most: a.max(b).max(c) };
         reaches = reaches || (bounds.meets(sweep.span) && !sweep.stays_beside(triangle));
@@ -115,16 +128,19 @@ pub(super) fn reaches_into(field: &HeightField, frame: Frame, sweep: &Sweep) -> 
 /// Where a ball lowered from `centre` through `span` first touches the field.
 #[must_use]
 pub(super) fn rest_on_field(field: &HeightField, frame: Frame, radius: f32, centre: Vec3, span: Span) -> Option<Rest> {
-    let mut rest: Option<Rest> = None;
+    let rest: Cell<Option<Rest>> = Cell::new(None);
     let under = Span { least: centre.with_y(span.least.y), most: centre };
-    // What is straight below is mostly what it rests on; next to that, most other triangles are out of the question.
+    // What is straight below is mostly what it rests on. Then nothing holds it higher that lies below the plane it rests on.
+    let worth = |corners: &[Vec3; 4]| {
+        rest.get().is_none_or(|rest| corners.iter().any(|corner| (corner - rest.point).dot(rest.normal) > FLUSH))
+    };
     for span in [under, span] {
-        triangles_in(field, frame, span, |triangle| {
-            let above = rest.map_or(f32::NEG_INFINITY, |rest| rest.height);
-            rest = rest_on_triangle(centre, radius, triangle, above).or(rest);
+        triangles_in(field, frame, span, worth, |triangle| {
+            let above = rest.get().map_or(f32::NEG_INFINITY, |rest| rest.height);
+            rest.set(rest_on_triangle(centre, radius, triangle, above).or(rest.get()));
         });
     }
-    rest
+    rest.get()
 }
 
 /// Where a ball lowered from above at the horizontal place of `over` first touches the triangle, if that is higher than `above`.
@@ -201,7 +217,8 @@ fn rest_at(over: Vec3, height: f32, point: Vec3) -> Option<Rest> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bevy::math::primitives::Triangle3d;
+    use avian3d::parry::utils::Array2;
+    use bevy::math::{Quat, primitives::Triangle3d};
     use proptest::prelude::*;
 
     fn corner() -> impl Strategy<Value = Vec3> {
@@ -245,6 +262,24 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_ball_rests_on_a_field_as_on_the_highest_of_its_triangles(heights in prop::collection::vec(0.0f32..0.6, 25), x in -1.5f32..1.5, z in -1.5f32..1.5, radius in 0.2f32..0.6) {
+            let field = HeightField::new(Array2::new(5, 5, heights), Vector::new(4.0, 1.0, 4.0));
+            let frame = Frame { position: Vec3::new(0.0, 2.0, 0.0), rotation: Quat::IDENTITY };
+            let (centre, flat) = (Vec3::new(x, 5.0, z), Vec3::new(radius, 0.0, radius));
+            let span = Span { least: centre - flat - Vec3::Y * 5.0, most: centre + flat };
+            let got = rest_on_field(&field, frame, radius, centre, span).expect("there is ground everywhere").height;
+            let mut wanted = f32::NEG_INFINITY;
+            for triangle in field.triangles() {
+                let corners = [triangle.a, triangle.b, triangle.c].map(|v| frame.world(Vec3::new(v.x, v.y, v.z)));
+                let rest = rest_on_triangle(centre, radius, corners, f32::NEG_INFINITY);
+                wanted = wanted.max(rest.map_or(f32::NEG_INFINITY, |rest| rest.height));
+            }
+            prop_assert!((got - wanted).abs() < 5e-5, "rests at {got} instead of {wanted}");
         }
     }
 

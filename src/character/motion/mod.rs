@@ -21,6 +21,7 @@ mod frame;
 mod glide;
 mod heightfield;
 mod jump;
+mod movers;
 mod place;
 mod planes;
 mod report;
@@ -53,6 +54,7 @@ use capsule::MotionShapes;
 pub(in crate::character) use field::{FieldGround, UprightField};
 pub use glide::Glide;
 use heightfield::Span;
+pub(in crate::character) use movers::Movers;
 use space::{Space, View};
 use speed::limit_strafe;
 use tick::Tick;
@@ -139,22 +141,23 @@ impl Plugin for MotionPlugin {
         if !app.is_plugin_added::<SchedulePlugin>() {
             app.add_plugins(SchedulePlugin);
         }
-        app.add_systems(
-            FixedUpdate,
-            (place::build_shapes, move_characters, place::place_roots, place::push_bodies)
-                .chain()
-                .in_set(MotionSystems::Move),
-        )
-        .add_systems(PhysicsSchedule, contacts::leave_out_idle_contacts.in_set(NarrowPhaseSystems::First))
-        .add_systems(
-            RunFixedMainLoop,
-            (
-                place::heed_moved_roots.in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop),
-                place::remember_shown_roots
-                    .in_set(RunFixedMainLoopSystems::AfterFixedMainLoop)
-                    .after(TransformEasingSystems::UpdateEasingTick),
-            ),
-        );
+        app.init_resource::<Movers>()
+            .add_systems(
+                FixedUpdate,
+                (place::build_shapes, movers::find_movers, move_characters, place::place_roots, place::push_bodies)
+                    .chain()
+                    .in_set(MotionSystems::Move),
+            )
+            .add_systems(PhysicsSchedule, contacts::leave_out_idle_contacts.in_set(NarrowPhaseSystems::First))
+            .add_systems(
+                RunFixedMainLoop,
+                (
+                    place::heed_moved_roots.in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop),
+                    place::remember_shown_roots
+                        .in_set(RunFixedMainLoopSystems::AfterFixedMainLoop)
+                        .after(TransformEasingSystems::UpdateEasingTick),
+                ),
+            );
     }
 }
 

@@ -4,6 +4,7 @@
 
 use avian3d::{
     character_controller::move_and_slide::DepenetrationConfig,
+    collider_tree::ColliderTrees,
     prelude::{
         AngularVelocity, Collider, ColliderAabb, ColliderOf, ComputedCenterOfMass, ComputedMass,
         CustomPositionIntegration, LinearVelocity, MoveAndSlide, Position, RigidBody, Rotation, SimpleCollider,
@@ -11,12 +12,14 @@ use avian3d::{
     },
 };
 use bevy::{ecs::system::SystemParam, prelude::*};
+use smallvec::SmallVec;
 
 use super::{
     around::{Around, Solid},
     body::MotionBody,
     frame::Frame,
-    heightfield::Span,
+    heightfield::{Span, Sweep},
+    movers::Movers,
 };
 
 /// Gap in metres that sweeps keep to what they hit, so that the next sweep starts in free space.
@@ -32,6 +35,8 @@ const DEEPEST: f32 = 20.0;
 #[derive(SystemParam)]
 pub(super) struct Space<'w, 's> {
     pub(super) casts: MoveAndSlide<'w, 's>,
+    trees: Res<'w, ColliderTrees>,
+    movers: Res<'w, Movers>,
     owners: Query<'w, 's, &'static ColliderOf>,
     bounds: Query<'w, 's, &'static ColliderAabb>,
     kinds: Query<'w, 's, &'static RigidBody>,
@@ -128,9 +133,20 @@ impl<'a> Space<'a, 'a> {
             }
             Some(())
         };
-        if sound {
-            self.casts.spatial_query.aabb_intersections_with_aabb_callback(bounds, |collider| {
-                add(collider);
+        if !sound {
+            return;
+        }
+        self.movers.near(region, |collider| {
+            add(collider);
+        });
+        let ColliderTrees { dynamic_tree, static_tree, standalone_tree, .. } = &*self.trees;
+        for tree in [dynamic_tree, static_tree, standalone_tree] {
+            tree.aabb_traverse(bounds.into(), |id| {
+                if let Some(proxy) = tree.get_proxy(id)
+                    && self.bounds.get(proxy.collider).is_ok_and(|own| own.intersects(&bounds))
+                {
+                    add(proxy.collider);
+                }
                 true
             });
         }
@@ -172,17 +188,16 @@ impl View<'_> {
 
     /// The way out for a shape that may stand inside others; zero where it is free.
     pub(super) fn way_out(&self, shape: &Collider, at: Vec3) -> Vec3 {
-        let mut contacts = Vec::new();
         if !at.is_finite() {
             return Vec3::ZERO;
         }
-        self.space.casts.intersections(shape, at, Quat::IDENTITY, 0.0, &self.filter, |collider, contact, normal| {
-            let mine = self.space.owners.get(collider).is_ok_and(|owner| owner.body == self.me);
-            if !mine && contact.penetration > RESTING {
-                contacts.push((normal, contact.penetration));
-            }
-            true
-        });
+        let bounds = shape.aabb(at, Quat::IDENTITY);
+        let span = Span { least: bounds.min, most: bounds.max };
+        let stands = Sweep { shape, from: at, way: Vec3::ZERO, span };
+        let mut contacts = SmallVec::<[(Dir3, f32); 8]>::new();
+        for solid in self.solids_in(span).iter().filter(|solid| solid.may_be_met(&stands)) {
+            solid.ways_out((self.me, shape, at), RESTING, |way, depth| contacts.push((way, depth)));
+        }
         if contacts.is_empty() {
             return Vec3::ZERO;
         }

@@ -223,7 +223,7 @@ fn stage(app: &mut App, shot: &Shot, middle: Vec3, distance: f32) {
 
 /// Lowest and highest corner of what the joints move, and of the joints themselves.
 fn extent(rig: &Rig, pose: &Pose) -> (Vec3, Vec3) {
-    let joints = pose.models().iter().map(|joint| Vec3::from(joint.translation));
+    let joints = pose.positions();
     let moved = pose.models().iter().zip(&rig.dominated);
     let vertices = moved.flat_map(|(joint, vertices)| vertices.iter().map(|vertex| joint.transform_point3(*vertex)));
     let any = vertices.chain(joints).filter(|at| at.is_finite());

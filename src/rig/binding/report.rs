@@ -144,7 +144,7 @@ pub(in super::super) fn stature(rig: &Rig, skeleton: &Skeleton) -> f32 {
         vertices.iter().map(|&vertex| model_from_joint.transform_point3(vertex).y).reduce(f32::max)
     };
     let vertices = rig.dominated.iter().enumerate().filter_map(top);
-    let joints = rest.models().iter().map(|joint| joint.translation.y);
+    let joints = rest.positions().map(|joint| joint.y);
     vertices.chain(joints).fold(0.0, f32::max)
 }
 

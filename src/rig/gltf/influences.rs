@@ -1,11 +1,10 @@
 //! Joint indices and weights of a primitive: the four largest of each vertex, summing to one.
 
-use bevy::math::Affine3A;
 use gltf::json::{accessor::Type, mesh::Semantic};
 
 use super::{error::RigError, meshes::Place};
 use crate::{
-    anim::{skeleton::JointIndex, skin::Skin},
+    anim::{matrix::JointMatrix, skeleton::JointIndex, skin::Skin},
     rig::Influences,
 };
 
@@ -94,10 +93,10 @@ pub(super) fn read(
 
 /// The skin's slot that moves with the node itself.
 fn ride_on(skin: &mut Skin, node: JointIndex) -> u16 {
-    let identity = |slot: &usize| skin.joints[*slot] == node && skin.inverse_bind[*slot] == Affine3A::IDENTITY;
+    let identity = |slot: &usize| skin.joints[*slot] == node && skin.inverse_bind[*slot] == JointMatrix::IDENTITY;
     let slot = (0..skin.joints.len()).find(identity).unwrap_or_else(|| {
         skin.joints.push(node);
-        skin.inverse_bind.push(Affine3A::IDENTITY);
+        skin.inverse_bind.push(JointMatrix::IDENTITY);
         skin.joints.len() - 1
     });
     u16::try_from(slot).unwrap_or(u16::MAX)

@@ -4,7 +4,7 @@ use bevy::math::{Affine3A, Mat4};
 use gltf::json::accessor::Type;
 
 use super::{accessor::Source, error::RigError, nodes::Nodes};
-use crate::anim::skin::Skin;
+use crate::anim::{matrix::JointMatrix, skin::Skin};
 
 /// The skin's name, or its index where it has none.
 pub(super) fn name(source: &Source, skin: usize) -> String {
@@ -26,7 +26,7 @@ fn read_one(source: &Source, nodes: &Nodes, index: usize) -> Result<Skin, RigErr
     let joints: Option<Vec<_>> = skin.joints.iter().map(|joint| nodes.joints.get(joint.value()).copied()?).collect();
     let joints = joints.ok_or_else(|| fail("one of its joints is no node".to_owned()))?;
     let inverse_bind = match skin.inverse_bind_matrices {
-        None => vec![Affine3A::IDENTITY; joints.len()],
+        None => vec![JointMatrix::IDENTITY; joints.len()],
         Some(accessor) => {
             let used_by = || format!("inverse bind matrices of skin `{}`", name(source, index));
             let matrices = source.floats::<16>(accessor.value(), Type::Mat4, &used_by)?;
@@ -36,7 +36,7 @@ fn read_one(source: &Source, nodes: &Nodes, index: usize) -> Result<Skin, RigErr
             let matrix = |(slot, matrix): (usize, &[f32; 16])| {
                 let matrix = Mat4::from_cols_array(matrix);
                 if matrix.is_finite() {
-                    Ok(Affine3A::from_mat4(matrix))
+                    Ok(Affine3A::from_mat4(matrix).into())
                 } else {
                     let joint = nodes.skeleton.name(joints[slot]);
                     Err(fail(format!("the inverse bind matrix of joint `{joint}` is not finite")))

@@ -196,7 +196,7 @@ fn error(ours: &Affine3A, theirs: &Affine3A, metre: f32) -> JointError {
 /// Height at rest of the joints and of what hangs on them, metres in model space.
 fn height(rig: &Rig) -> f32 {
     let rest = Pose::rest(&rig.skeleton);
-    let joints = rest.models().iter().map(|joint| Vec3::from(joint.translation));
+    let joints = rest.positions();
     let corners = rest.models().iter().zip(&rig.joint_bounds).filter_map(|(joint, bounds)| Some((joint, (*bounds)?)));
     let corners =
         corners.flat_map(|(joint, bounds)| [bounds.min, bounds.max].map(|at| joint.transform_point3(at.into())));

@@ -46,8 +46,7 @@ fn meshes(studio: &mut Studio, character: Entity) -> Vec<(Entity, Vec<Vec3>)> {
     let mut meshes = Vec::new();
     for part in parts {
         let Some(ModelPart::Skin(skin)) = world.get::<ModelPart>(part) else { continue };
-        let homes: Vec<Vec3> =
-            rig.skins[*skin].inverse_bind.iter().map(|bind| bind.inverse().translation.into()).collect();
+        let homes: Vec<Vec3> = rig.skins[*skin].inverse_bind.iter().map(|bind| bind.inverse().translation()).collect();
         meshes.extend(world.get::<SkinnedMeshes>(part).unwrap().iter().map(|mesh| (mesh, homes.clone())));
     }
     meshes

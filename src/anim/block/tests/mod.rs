@@ -16,8 +16,9 @@ use crate::anim::{
     bake::{ClipCurves, JointCurves},
     curve::{Curve, Interpolation},
     ik::two_bone::Extension,
+    matrix::JointMatrix,
     skeleton::{JointIndex, Skeleton},
-    skin::{JointMatrix, Skin},
+    skin::Skin,
 };
 use reference::{Body, Dice, body, palette, posed};
 
@@ -183,7 +184,7 @@ fn parts_that_do_not_fit_are_refused_by_name() {
     let joint = |name: &str, parent| (name.to_owned(), parent, crate::anim::skeleton::JointTransform::IDENTITY);
     let joints = [joint("hip", None), joint("knee", Some(JointIndex(0))), joint("hand", Some(JointIndex(0)))];
     let skeleton = Skeleton::new(joints, bevy::math::Affine3A::from_translation(Vec3::ZERO)).unwrap();
-    let skin = Skin { joints: vec![JointIndex(9)], inverse_bind: vec![bevy::math::Affine3A::IDENTITY] };
+    let skin = Skin { joints: vec![JointIndex(9)], inverse_bind: vec![JointMatrix::IDENTITY] };
     let none = Skin::default();
     let limb =
         LimbJoints { upper: JointIndex(0), lower: JointIndex(1), end: JointIndex(2), extension: Extension::default() };

@@ -13,9 +13,10 @@ use crate::{
         clip::Clip,
         curve::{Curve, Interpolation},
         ik::two_bone::{Limb, solve},
+        matrix::JointMatrix,
         pose::Pose,
         skeleton::{JointIndex, JointTransform, Skeleton},
-        skin::{JointMatrix, Skin},
+        skin::Skin,
     },
     math::rotation::from_scaled_axis,
 };
@@ -68,14 +69,14 @@ pub(super) fn posed(body: &Body, actor: &Actor) -> Pose {
 /// The palette of a character by the scalar functions.
 pub(super) fn palette(body: &Body, limbs: &[LimbJoints], actor: &Actor) -> Vec<JointMatrix> {
     let pose = posed(body, actor);
-    let mut models = pose.models().to_vec();
+    let mut models = pose.models().iter().map(|model| model.to_affine()).collect::<Vec<_>>();
     for (joints, goal) in limbs.iter().zip(actor.goals) {
         if let Some(goal) = goal {
             reach(&body.skeleton, &pose, *joints, *goal, &mut models);
         }
     }
     let slots = body.skin.joints.iter().zip(&body.skin.inverse_bind);
-    slots.map(|(joint, inverse)| (models[joint.index()] * *inverse).into()).collect()
+    slots.map(|(joint, inverse)| (models[joint.index()] * inverse.to_affine()).into()).collect()
 }
 
 /// Turns the bones of a limb and what hangs on them.
@@ -180,7 +181,7 @@ impl Dice {
                 let bind = rest.model(joint) * if bound_elsewhere { moved } else { Affine3A::IDENTITY };
                 let place = self.between(0.0, skin.joints.len() as f32) as usize;
                 skin.joints.insert(place, joint);
-                skin.inverse_bind.insert(place, bind.inverse());
+                skin.inverse_bind.insert(place, bind.inverse().into());
             }
         }
         skin

@@ -7,7 +7,10 @@ use proptest::prelude::*;
 
 use self::tools::{TOOLS, named_by};
 use super::*;
-use crate::{anim::skeleton::JointTransform, math::rotation::from_scaled_axis};
+use crate::{
+    anim::{matrix::JointMatrix, skeleton::JointTransform},
+    math::rotation::from_scaled_axis,
+};
 
 /// A joint by its VRM name, what it hangs on, and where it is: metres, +Y up, facing +Z, left is +X.
 type Joint = (&'static str, &'static str, [f32; 3]);
@@ -104,7 +107,7 @@ impl Sample {
         }
         let skin = crate::anim::skin::Skin {
             joints: (0..self.joints.len()).map(joint).collect(),
-            inverse_bind: vec![Affine3A::IDENTITY; self.joints.len()],
+            inverse_bind: vec![JointMatrix::IDENTITY; self.joints.len()],
         };
         let skeleton = Skeleton::new(list, frame::gltf_default()).expect("parents come first");
         Rig { skeleton, skins: vec![skin], ..Rig::default() }
