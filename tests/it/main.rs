@@ -35,6 +35,7 @@ mod reversals;
 mod rig;
 #[cfg(feature = "render")]
 mod shaders;
+mod show;
 mod support;
 #[cfg(feature = "game")]
 mod terrain;
