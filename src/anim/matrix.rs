@@ -6,9 +6,12 @@ use core::ops::Mul;
 
 use bevy::math::{Affine3A, Mat3A, Quat, Vec3};
 use bytemuck::{Pod, Zeroable};
-use fearless_simd::{Level, Simd, dispatch, f32x4, prelude::*};
+use fearless_simd::{Simd, dispatch, f32x4, prelude::*};
 
-use super::skeleton::{JointIndex, JointTransform, Skeleton};
+use super::{
+    level,
+    skeleton::{JointIndex, JointTransform, Skeleton},
+};
 
 /// The three rows of an affine matrix: 48 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -150,7 +153,7 @@ pub(super) fn write_models(
     models: &mut [JointMatrix],
 ) {
     let root = JointMatrix::from(skeleton.model_from_root);
-    dispatch!(Level::new(), simd => models_by(simd, (skeleton.parents(), &root), locals, joints, models));
+    dispatch!(level::best(), simd => models_by(simd, (skeleton.parents(), &root), locals, joints, models));
 }
 
 #[inline(always)]
@@ -176,7 +179,7 @@ pub(super) fn write_palette(
     slots: (&[JointIndex], &[JointMatrix]),
     palette: &mut [JointMatrix],
 ) {
-    dispatch!(Level::new(), simd => palette_by(simd, models, slots, palette));
+    dispatch!(level::best(), simd => palette_by(simd, models, slots, palette));
 }
 
 #[inline(always)]
@@ -200,7 +203,7 @@ pub(super) fn write_palette_between(
     slots: (&[JointIndex], &[JointMatrix]),
     palette: &mut [JointMatrix],
 ) {
-    dispatch!(Level::new(), simd => palette_between_by(simd, (from, to, share), slots, palette));
+    dispatch!(level::best(), simd => palette_between_by(simd, (from, to, share), slots, palette));
 }
 
 #[inline(always)]
@@ -221,7 +224,7 @@ fn palette_between_by<S: Simd>(
 
 /// Writes matrices that lie between two each, `share` (0..=1) of the way: points go from place to place on straight lines, evenly.
 pub(crate) fn write_between(from: &[JointMatrix], to: &[JointMatrix], share: f32, between: &mut [JointMatrix]) {
-    dispatch!(Level::new(), simd => between_by(simd, from, to, share, between));
+    dispatch!(level::best(), simd => between_by(simd, from, to, share, between));
 }
 
 #[inline(always)]
@@ -301,6 +304,7 @@ fn rows(local: &JointTransform) -> JointMatrix {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fearless_simd::Level;
     use proptest::prelude::*;
 
     fn joint() -> impl Strategy<Value = JointTransform> {

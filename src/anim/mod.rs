@@ -10,6 +10,7 @@ pub mod ik;
 pub mod inertialize;
 pub mod keys;
 pub mod leg;
+mod level;
 pub mod mask;
 pub mod matrix;
 pub mod peak;

@@ -33,7 +33,7 @@ mod transpose;
 use bevy::math::{Quat, Vec3};
 use fearless_simd::{Level, Simd, dispatch};
 
-use super::matrix::JointMatrix;
+use super::{level, matrix::JointMatrix};
 use aligned::Rows32;
 use lanes::LANES;
 pub use locals::{ClipSet, LocalWorkspace};
@@ -115,10 +115,11 @@ pub enum Until {
 pub struct Instructions(Level);
 
 impl Instructions {
-    /// The best that this machine has. Lanes are eight even with AVX-512, whose many registers still save a tenth.
+    /// The best that this machine has. Lanes are eight even with AVX-512, whose many registers still save a tenth on Intel's
+    /// processors; AMD's are faster with AVX2.
     #[must_use]
     pub fn best() -> Self {
-        Self(Level::new())
+        Self(level::best())
     }
 
     /// AVX2, where this machine has it.
