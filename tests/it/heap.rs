@@ -25,7 +25,7 @@ use surefoot::{
         skeleton::{JointIndex, JointTransform, Skeleton},
         skin::Skin,
     },
-    character::{animator::Actions, intent::MoveIntent, schedule::MotionSystems},
+    character::{animator::Actions, intent::MoveIntent, schedule::MotionSystems, show::ShowLocals},
     measure::record::Recorder,
     testing::{
         Stage, World as Ground,
@@ -139,10 +139,20 @@ fn prints_what_walkers_take_from_the_heap() {
     let places: Vec<_> = (0..16u8).map(|i| Transform::from_xyz(f32::from(i) * 2.0 - 16.0, 0.0, 0.0)).collect();
     let mannequin = stage.load_character("mannequin.character.ron").unwrap();
     let walkers = stage.spawn_loaded(mannequin, &ground.on_ground(&places));
-    for walker in &walkers {
-        stage.intend(*walker, MoveIntent { velocity: Vec3::NEG_Z * 1.4, aim: Some(Vec3::NEG_Z), ..default() });
+    for (index, walker) in walkers.iter().enumerate() {
+        // Two pairs press against each other.
+        let way = match index {
+            12 | 14 => Vec3::X,
+            13 | 15 => Vec3::NEG_X,
+            _ => Vec3::NEG_Z,
+        };
+        stage.intend(*walker, MoveIntent { velocity: way * 1.4, aim: Some(Vec3::NEG_Z), ..default() });
         // Records of every frame do take memory.
-        stage.app().world_mut().entity_mut(*walker).remove::<Recorder>();
+        let mut walker = stage.app().world_mut().entity_mut(*walker);
+        walker.remove::<Recorder>();
+        if index % 2 == 0 {
+            walker.remove::<ShowLocals>();
+        }
     }
     stage.run_for(3.5);
     for walker in &walkers {
