@@ -90,9 +90,7 @@ impl Ticked {
 
     /// It keeps both poses from now on, of which the pose itself kept one so far.
     fn take_over(&mut self, pose: &mut Pose) {
-        if pose.keeps_before() {
-            *self = Self { models: [Vec::new(), pose.forget_before()], teleports: self.teleports, ..Self::default() };
-        }
+        *self = Self { models: [Vec::new(), pose.forget_before()], teleports: self.teleports, ..Self::default() };
     }
 
     /// The same in a frame, for a pose that is to be changed in it.
@@ -172,7 +170,10 @@ fn record(
             let jumped = ticked.jumped(motion);
             return pose.pose.keep_before(jumped);
         }
-        ticked.take_over(&mut pose.pose);
+        // Who isn't posed isn't touched, so that nobody takes it for changed.
+        if pose.pose.keeps_before() {
+            ticked.take_over(&mut pose.pose);
+        }
         if let Some((pacing, ease)) = detail {
             if pacing.mode == Mode::ClipsOnly(ClipsOnly::Alone) {
                 (ticked.stale, ticked.direct) = (true, false);

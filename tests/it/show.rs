@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use surefoot::{
     character::{animator::CharacterPose, detail::Detail, show::ShowLocals},
+    measure::record::Recorder,
     testing::{Stage, World},
 };
 
@@ -15,6 +16,8 @@ const FRAMES: usize = 150;
 fn shown(change: impl Fn(EntityWorldMut, usize)) -> Vec<Vec<Vec3>> {
     let mut stage = Stage::on(&World::rubble());
     let walker = stage.spawn_walker().expect("the mannequin loads");
+    // Who is recorded shows locals.
+    stage.app().world_mut().entity_mut(walker).remove::<(Recorder, ShowLocals)>();
     stage.walk(walker, Vec3::NEG_Z * 1.4).run_for(0.5);
     stage.set_frame_rate(RATE);
     let frame = |frame: usize| {
@@ -66,4 +69,27 @@ fn a_detail_that_is_given_later_changes_nothing_that_is_shown() {
     });
     let (off, frame) = farthest(&plain, &later);
     assert!(off < 1e-5, "{off} m off in frame {frame}");
+}
+
+#[test]
+fn a_pose_that_nobody_sees_is_not_taken_for_changed() {
+    for plain_before in [false, true] {
+        let mut stage = Stage::on(&World::flat());
+        let walker = stage.spawn_walker().expect("the mannequin loads");
+        let unseen = Detail { posed: false, ..Detail::default() };
+        if plain_before {
+            stage.app().world_mut().entity_mut(walker).remove::<(Recorder, ShowLocals)>();
+            stage.walk(walker, Vec3::NEG_Z * 1.4).run_for(0.5);
+        }
+        stage.app().world_mut().entity_mut(walker).insert(unseen);
+        stage.walk(walker, Vec3::NEG_Z * 1.4).run_for(0.5);
+        let mut changed = || {
+            let entity = stage.app().world().entity(walker);
+            let ticks = entity.get_change_ticks::<CharacterPose>().expect("it is bound");
+            stage.run_for(0.1);
+            ticks.changed.get()
+        };
+        let (before, after) = (changed(), changed());
+        assert_eq!(before, after, "written while nobody sees it; without a detail before: {plain_before}");
+    }
 }
