@@ -144,7 +144,7 @@ fn scaled_rotation(matrix: &Affine3A) -> Quat {
 
 /// Writes `above * local` for each of `joints`, parents first, where `above` is the matrix of its parent, or `model_from_root`.
 ///
-/// [`JointTransform::below`] is the readable form.
+/// The readable form is the product with [`JointTransform::to_affine`].
 #[inline]
 pub(super) fn write_models(
     skeleton: &Skeleton,
