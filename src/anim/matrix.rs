@@ -169,7 +169,7 @@ fn models_by<S: Simd>(
             Some(parent) => &models[parent.index()],
             None => root,
         };
-        models[joint] = product(simd, above, &rows(&locals[joint]));
+        models[joint] = product_of_rows(simd, above, &rows(simd, &locals[joint]));
     }
 }
 
@@ -269,36 +269,42 @@ pub(super) fn between(from: &JointMatrix, to: &JointMatrix, share: f32) -> Joint
 /// `left * right`.
 #[inline(always)]
 fn product<S: Simd>(simd: S, left: &JointMatrix, right: &JointMatrix) -> JointMatrix {
-    let rows = [
-        f32x4::simd_from(simd, right.0[0]),
-        f32x4::simd_from(simd, right.0[1]),
-        f32x4::simd_from(simd, right.0[2]),
-        f32x4::simd_from(simd, [0.0, 0.0, 0.0, 1.0]),
-    ];
-    JointMatrix([row(simd, &left.0[0], &rows), row(simd, &left.0[1], &rows), row(simd, &left.0[2], &rows)])
+    let rows =
+        [f32x4::simd_from(simd, right.0[0]), f32x4::simd_from(simd, right.0[1]), f32x4::simd_from(simd, right.0[2])];
+    product_of_rows(simd, left, &rows)
+}
+
+#[inline(always)]
+fn product_of_rows<S: Simd>(simd: S, left: &JointMatrix, rows: &[f32x4<S>; 3]) -> JointMatrix {
+    JointMatrix([row(simd, &left.0[0], rows), row(simd, &left.0[1], rows), row(simd, &left.0[2], rows)])
 }
 
 /// `left * rows`. Each is multiplied whole, so that nothing has to be turned round.
 #[inline(always)]
-fn row<S: Simd>(simd: S, left: &[f32; 4], rows: &[f32x4<S>; 4]) -> [f32; 4] {
-    let moved = f32x4::splat(simd, left[0]).mul_add(rows[0], f32x4::splat(simd, left[3]) * rows[3]);
+fn row<S: Simd>(simd: S, left: &[f32; 4], rows: &[f32x4<S>; 3]) -> [f32; 4] {
+    let last = f32x4::simd_from(simd, [0.0, 0.0, 0.0, 1.0]);
+    let moved = f32x4::splat(simd, left[0]).mul_add(rows[0], f32x4::splat(simd, left[3]) * last);
     let turned = f32x4::splat(simd, left[1]).mul_add(rows[1], f32x4::splat(simd, left[2]) * rows[2]);
     (moved + turned).into()
 }
 
-/// Scales, then turns, then moves.
+/// Scales, then turns, then moves. A rotation's matrix is the unit matrix and products of its numbers, sorted by rows: each row takes two
+/// of the three orders of the quaternion, times one number each.
 #[inline(always)]
-fn rows(local: &JointTransform) -> JointMatrix {
+fn rows<S: Simd>(simd: S, local: &JointTransform) -> [f32x4<S>; 3] {
     let (q, s, t) = (local.rotation, local.scale, local.translation);
-    let (x2, y2, z2) = (q.x + q.x, q.y + q.y, q.z + q.z);
-    let (xx, yy, zz) = (q.x * x2, q.y * y2, q.z * z2);
-    let (xy, xz, yz) = (q.x * y2, q.x * z2, q.y * z2);
-    let (wx, wy, wz) = (q.w * x2, q.w * y2, q.w * z2);
-    JointMatrix([
-        [(1.0 - (yy + zz)) * s.x, (xy - wz) * s.y, (xz + wy) * s.z, t.x],
-        [(xy + wz) * s.x, (1.0 - (xx + zz)) * s.y, (yz - wx) * s.z, t.y],
-        [(xz - wy) * s.x, (yz + wx) * s.y, (1.0 - (xx + yy)) * s.z, t.z],
-    ])
+    let of = |numbers: [f32; 4]| f32x4::simd_from(simd, numbers);
+    let double = of(q.to_array()) + of(q.to_array());
+    let [x2, y2, z2, _]: [f32; 4] = double.into();
+    let [x2, y2, z2] = [f32x4::splat(simd, x2), f32x4::splat(simd, y2), f32x4::splat(simd, z2)];
+    let a = of([q.y, q.x, q.w, q.z]) * of([-1.0, 1.0, 1.0, 0.0]);
+    let b = of([q.z, q.w, q.x, q.y]) * of([-1.0, -1.0, 1.0, 0.0]);
+    let c = of([q.w, q.z, q.y, q.x]) * of([1.0, -1.0, 1.0, 0.0]);
+    let scale = of([s.x, s.y, s.z, 1.0]);
+    let x = y2.mul_add(a, z2.mul_add(b, of([1.0, 0.0, 0.0, t.x])));
+    let y = z2.mul_add(c, of([0.0, 1.0, 0.0, t.y]) - x2 * a);
+    let z = of([0.0, 0.0, 1.0, t.z]) - x2.mul_add(b, y2 * c);
+    [x * scale, y * scale, z * scale]
 }
 
 #[cfg(test)]

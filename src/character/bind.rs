@@ -64,11 +64,15 @@ fn bind(
             // What is seen until the first tick.
             pose.begin(asset, &locomotion);
             let ground = GroundFilter(SpatialQueryFilter::from_excluded_entities([entity]));
-            commands
-                .entity(entity)
-                .insert((pose, locomotion, aiming, FootIk::new(asset), asset.file.motion.clone()))
-                .insert_if_new((ground, Actions::default(), Balance::default(), Look::default()))
-                .insert_if_new(Blink::new(entity.index_u32()));
+            let own = (pose, locomotion, aiming, FootIk::new(asset), asset.file.motion.clone());
+            let unless_given =
+                (ground, Actions::default(), Balance::default(), Look::default(), Blink::new(entity.index_u32()));
+            // Boxed: the queue of commands never gives memory back, and a crowd would leave it several kilobytes a head.
+            let components = Box::new((own, unless_given));
+            commands.entity(entity).queue(move |mut character: EntityWorldMut| {
+                let (own, unless_given) = *components;
+                character.insert(own).insert_if_new(unless_given);
+            });
         };
     for event in events {
         let AssetEvent::Modified { id } = event else { continue };

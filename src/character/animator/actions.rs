@@ -16,15 +16,12 @@ use crate::{
     },
 };
 
-/// How many actions play at once before more room is made for them.
-const ROOM: usize = 8;
-
 /// What a character does beside going about: clips by name, each over the part of the body that its mask names.
 ///
 /// Every character has one. Names are those of [`CharacterFile::actions`](crate::rig::character_file::CharacterFile::actions)
 /// and of all clips; one that doesn't exist is warned of, with those that do. An action that begins later lies over those
 /// that began earlier.
-#[derive(Component, Clone, Debug)]
+#[derive(Component, Clone, Debug, Default)]
 pub struct Actions {
     asked: Vec<Request>,
     playing: Vec<Playing>,
@@ -48,12 +45,6 @@ struct Playing {
     /// Seconds until it begins to go.
     stays: f32,
     goes: bool,
-}
-
-impl Default for Actions {
-    fn default() -> Self {
-        Self { asked: Vec::with_capacity(ROOM), playing: Vec::with_capacity(ROOM) }
-    }
 }
 
 impl Actions {
