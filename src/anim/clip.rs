@@ -129,6 +129,8 @@ impl Clip {
     pub fn wrap(&self, time: f32) -> f32 {
         if !time.is_finite() || self.duration <= 0.0 {
             0.0
+        } else if (0.0..=self.duration).contains(&time) {
+            time
         } else if self.looping {
             // Rounding may give the duration itself, which is the same pose as 0.
             time.rem_euclid(self.duration).min(self.duration)

@@ -33,8 +33,9 @@ impl SolePoint {
 
     /// Where it is in model space.
     #[must_use]
+    #[inline]
     pub fn position(&self, pose: &Pose) -> Vec3 {
-        pose.model(self.joint).transform_point3(self.offset)
+        pose.place(self.joint, self.offset)
     }
 }
 

@@ -114,6 +114,23 @@ impl Pose {
         self.model[joint.index()].translation()
     }
 
+    /// Positions of three joints in model space.
+    #[must_use]
+    #[inline]
+    pub fn positions_of(&self, [a, b, c]: [JointIndex; 3]) -> [Vec3; 3] {
+        [self.position(a), self.position(b), self.position(c)]
+    }
+
+    /// Where a `point` of the joint's space is in model space.
+    #[must_use]
+    #[inline]
+    pub fn place(&self, joint: JointIndex, point: Vec3) -> Vec3 {
+        if self.before.back > 0.0 {
+            return self.shown(joint.index()).transform_point3(point);
+        }
+        self.model[joint.index()].transform_point3(point)
+    }
+
     /// Positions of all joints in model space.
     pub fn positions(&self) -> impl Iterator<Item = Vec3> + '_ {
         (0..self.len()).map(|joint| self.shown(joint).translation())
@@ -245,9 +262,12 @@ impl Pose {
     /// Turns `joint` by `rotation_model` (model space, about the joint) in place of its local rotation.
     /// Model matrices are stale afterwards.
     pub fn rotate_model(&mut self, skeleton: &Skeleton, joint: JointIndex, rotation_model: Quat) {
-        let parent = self.parent_rotation(skeleton, joint);
+        let turn = match skeleton.parent(joint) {
+            Some(parent) => self.shown(parent.index()).turn_back(rotation_model),
+            None => JointMatrix::from(skeleton.model_from_root).turn_back(rotation_model),
+        };
         let local = &mut self.local[joint.index()];
-        local.rotation = (parent.inverse() * rotation_model * parent * local.rotation).normalize();
+        local.rotation = (turn * local.rotation).normalize();
     }
 
     /// Rotation of the joint in model space; scale and mirroring taken out.

@@ -138,7 +138,7 @@ const MOST_BENT: f32 = 2.7;
 /// what is left of a quick motion may carry it there. The foot keeps its turn.
 pub fn keep_bent(pose: &mut Pose, skeleton: &Skeleton, leg: &Leg) {
     let (least, soft) = STRAIGHT;
-    let [hip, knee, ankle] = leg.joints().map(|joint| pose.position(joint));
+    let [hip, knee, ankle] = pose.positions_of(leg.joints());
     let (thigh, shin) = (knee - hip, ankle - knee);
     let hinge = pose.rotation(leg.upper) * leg.knee_axis;
     let bend = ops::atan2(thigh.cross(shin).dot(hinge), thigh.dot(shin));
@@ -272,7 +272,7 @@ mod tests {
             pose.set_local(lower, JointTransform { rotation, ..pose.local(lower) });
             pose.update_model(&skeleton);
             keep_bent(&mut pose, &skeleton, &leg);
-            let [hip, knee, ankle] = leg.joints().map(|joint| pose.position(joint));
+            let [hip, knee, ankle] = pose.positions_of(leg.joints());
             let bend = two_bone::bend_angle(hip, knee, ankle).to_degrees();
             let wanted = degrees.min(MOST_BENT.to_degrees());
             assert!((bend - wanted).abs() < 0.1, "bent by {degrees}° it comes back at {bend}°");

@@ -115,6 +115,10 @@ pub fn twist_angle(rotation: Quat, axis: Vec3) -> f32 {
 #[must_use]
 pub fn wrap_angle(radians: f32) -> f32 {
     use core::f32::consts::{PI, TAU};
+    // Half a turn, give or take rounding, is one to the right: rounding isn't to decide it.
+    if radians.abs() < 3.0 {
+        return radians;
+    }
     if !radians.is_finite() {
         return 0.0;
     }

@@ -95,13 +95,15 @@ impl ClipSet {
         let (first, second, blend) = rows.span(time);
         let [from, to] = [first, second].map(|frame| data.frame(frame).as_flattened());
         let between = |place: usize| from[place] + (to[place] - from[place]) * blend;
-        let vector = |place: usize, step: usize| Vec3::from_array([0, 1, 2].map(|part| between(place + part * step)));
+        let vector =
+            |place: usize, step: usize| Vec3::new(between(place), between(place + step), between(place + 2 * step));
         let channels = &self.tracks.channels;
         for &Watched { joint, rotation, translation, scale } in &self.watched {
             let out = &mut out[joint.index()];
             *out = self.rest[joint.index()];
             if let Some(place) = rotation {
-                out.rotation = Quat::from_array([0, 1, 2, 3].map(|part| between(place + part * LANES))).normalize();
+                let [x, y, z] = [between(place), between(place + LANES), between(place + 2 * LANES)];
+                out.rotation = Quat::from_xyzw(x, y, z, between(place + 3 * LANES)).normalize();
             }
             if let Some(place) = translation {
                 out.translation = vector(place, channels.translations.len());

@@ -161,7 +161,12 @@ impl Gait {
 
 /// Phase brought into 0..1; NaN gives 0.
 fn wrapped(phase: f32) -> f32 {
-    let wrapped = phase.rem_euclid(1.0);
+    let wrapped = match phase {
+        0.0..1.0 => return phase,
+        -1.0..0.0 => phase + 1.0,
+        1.0..2.0 => return phase - 1.0,
+        _ => phase.rem_euclid(1.0),
+    };
     if (0.0..1.0).contains(&wrapped) { wrapped } else { 0.0 }
 }
 

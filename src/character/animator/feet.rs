@@ -9,7 +9,7 @@ use bevy::{math::Vec3A, prelude::*};
 use crate::anim::{
     blend::Accumulator,
     leg::Leg,
-    pose::rotation_of,
+    pose::{Pose, rotation_of},
     skeleton::{JointTransform, Skeleton},
 };
 
@@ -34,12 +34,19 @@ impl BlendedFeet {
     }
 }
 
+/// An ankle joint of a pose whose model matrices are up to date.
+#[inline]
+pub(super) fn ankle(pose: &Pose, leg: &Leg) -> JointTransform {
+    JointTransform { translation: pose.position(leg.foot), rotation: pose.rotation(leg.foot), scale: Vec3::ONE }
+}
+
 /// Both ankle joints of a pose of local transforms, in model space.
 pub(super) fn ankles(locals: &[JointTransform], skeleton: &Skeleton, legs: &[Leg; 2]) -> Ankles {
     let root = rotation_of(&skeleton.model_from_root);
-    [0, 1].map(|side| {
-        let (mut rotation, mut translation) = (Quat::IDENTITY, Vec3A::ZERO);
-        let mut joint = Some(legs[side].foot);
+    let ankle = |leg: &Leg| {
+        let first = &locals[leg.foot.index()];
+        let (mut rotation, mut translation) = (first.rotation, Vec3A::from(first.translation));
+        let mut joint = skeleton.parent(leg.foot);
         while let Some(index) = joint {
             let local = &locals[index.index()];
             translation = local.rotation * (translation * Vec3A::from(local.scale)) + Vec3A::from(local.translation);
@@ -48,13 +55,14 @@ pub(super) fn ankles(locals: &[JointTransform], skeleton: &Skeleton, legs: &[Leg
         }
         let translation = skeleton.model_from_root.transform_point3a(translation).into();
         JointTransform { translation, rotation: root * rotation, scale: Vec3::ONE }
-    })
+    };
+    let [left, right] = legs;
+    [ankle(left), ankle(right)]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::anim::pose::Pose;
 
     #[test]
     fn ankles_found_alone_are_those_of_the_whole_pose() {

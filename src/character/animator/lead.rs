@@ -59,7 +59,13 @@ impl CharacterPose {
 
     /// Changes the pose above its feet, which stay where they are and lead their legs from now on.
     pub(in crate::character) fn keep_feet(&mut self, asset: &CharacterAsset, change: impl FnOnce(&mut Pose)) {
-        let feet = asset.legs.each_ref().map(|leg| joints(leg).map(|joint| self.pose.models()[joint.index()]));
+        let models = self.pose.models();
+        let foot = |leg: &Leg| {
+            let [ankle, toes] = joints(leg);
+            [models[ankle.index()], models[toes.index()]]
+        };
+        let [left, right] = &asset.legs;
+        let feet = [foot(left), foot(right)];
         change(&mut self.pose);
         for (leg, feet) in asset.legs.iter().zip(feet) {
             for (joint, model) in joints(leg).into_iter().zip(feet) {

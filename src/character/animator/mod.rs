@@ -118,11 +118,8 @@ impl CharacterPose {
         }
         if corrects {
             let blended = early.unwrap_or_else(|| {
-                asset.legs.each_ref().map(|leg| JointTransform {
-                    translation: self.pose.position(leg.foot),
-                    rotation: self.pose.rotation(leg.foot),
-                    scale: Vec3::ONE,
-                })
+                let [left, right] = &asset.legs;
+                [feet::ankle(&self.pose, left), feet::ankle(&self.pose, right)]
             });
             let wanted = self.feet.ankles();
             for ((leg, wanted), blended) in asset.legs.iter().zip(wanted).zip(blended) {

@@ -237,7 +237,7 @@ impl Body<'_> {
         let turn = if weight < 1.0 { Quat::IDENTITY.slerp(placed.turn, weight) } else { placed.turn };
         let turn_model = model_from_world.rotation * turn * model_from_world.rotation.inverse();
         let joints = LegJoints { upper: leg.upper, lower: leg.lower, foot: leg.foot };
-        let [hip, knee, clip_ankle] = leg.joints().map(|joint| pose.pose.position(joint));
+        let [hip, knee, clip_ankle] = pose.pose.positions_of(leg.joints());
         let turns = LegTurns::of(&pose.pose, &self.asset.skeleton, joints);
         let animated = hip.distance(clip_ankle);
         // A clip's own stretch is not resisted: level ground shows the clip as it is. Who jumps off stretches all he can.

@@ -143,7 +143,7 @@ impl Solid<'_> {
     #[inline]
     fn height_below(&self, start: Vec3, lowest: f32) -> Option<f32> {
         let height = match &self.field {
-            Some(field) => field.below(start)?.height,
+            Some(field) => field.height(start).filter(|height| *height <= start.y)?,
             None => self.cast(start, lowest)?.0,
         };
         (height > lowest).then_some(height)
@@ -184,14 +184,13 @@ impl NearProbe<'_, '_, '_> {
         highest
     }
 
-    /// The ground at a horizontal place if there is but one field about and `reach`, which it was gathered for, reaches it.
+    /// The field and whose it is, if there is but one about and nothing else, and it is known at a horizontal place.
     #[inline]
-    fn sole_ground(&self, place: Vec3, reach: &Reach) -> Option<(FieldGround<'_>, Entity)> {
+    fn sole_field(&self, place: Vec3) -> Option<(&UprightField<'_>, Entity)> {
         let [Solid { field: Some(field), entity, .. }] = self.solids.as_slice() else { return None };
         let (least, most) = (self.least, self.most);
         let known = place.x >= least.x && place.x <= most.x && place.z >= least.z && place.z <= most.z;
-        let ground = if known { field.ground(place)? } else { return None };
-        reach.reaches(ground.height).then_some((ground, *entity))
+        known.then_some((field, *entity))
     }
 }
 
@@ -218,8 +217,11 @@ impl Probe for NearProbe<'_, '_, '_> {
         }
         highest
     }
+
     fn at(&self, place: Vec3, reach: &Reach) -> Option<GroundHit> {
-        if let Some((ground, entity)) = self.sole_ground(place, reach) {
+        if let Some((field, entity)) = self.sole_field(place)
+            && let Some(ground) = field.ground(place).filter(|ground| reach.reaches(ground.height))
+        {
             return Some(GroundHit { point: place.with_y(ground.height), normal: ground.normal(), entity });
         }
         let (start, length) = reach.ray(place);
@@ -227,8 +229,10 @@ impl Probe for NearProbe<'_, '_, '_> {
     }
 
     fn height_at(&self, place: Vec3, reach: &Reach) -> Option<f32> {
-        if let Some((ground, _)) = self.sole_ground(place, reach) {
-            return Some(ground.height);
+        if let Some((field, _)) = self.sole_field(place)
+            && let Some(height) = field.height(place).filter(|height| reach.reaches(*height))
+        {
+            return Some(height);
         }
         let (start, length) = reach.ray(place);
         self.height(start, length)

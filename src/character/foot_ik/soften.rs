@@ -3,7 +3,7 @@
 //! What ground and turns ask of a leg may stop it, or set it off, from one frame to the next. It then goes on as it was and
 //! eases into what is asked: inertialization of one leg. Local rotations in radians, model space in metres.
 
-use bevy::prelude::*;
+use bevy::{math::ops, prelude::*};
 
 use crate::{
     anim::{
@@ -56,8 +56,10 @@ pub(super) struct Soften {
     rotations: [Quat; JOINTS],
     /// Places of knee, ankle and toes in model space.
     places: [Vec3; 3],
-    /// How it came there from the frame before: rad/s and m/s.
-    turns: [Vec3; JOINTS],
+    /// How its joints were turned in the frame before, and how many seconds passed since then.
+    before: [Quat; JOINTS],
+    seconds: f32,
+    /// How its places moved meanwhile, m/s.
     moves: [Vec3; 3],
     /// What is left of its way before: offsets from what is asked, and their speeds, when it was left.
     offsets: [(Vec3, Vec3); JOINTS],
@@ -91,22 +93,18 @@ impl Soften {
             }
             shown = show(pose, skeleton, leg, shown);
         }
-        let mut made = self.turns_to(&shown);
         let mut places = places(pose, leg);
         if self.known == Known::Motion {
             let jump =
                 |index: usize| ((places[index] - self.places[index]) * per_second).distance_squared(self.moves[index]);
             let jump = jump(0).max(jump(1)).max(jump(2));
-            let turn = |index: usize| made[index].length_squared();
-            let turn = turn(0).max(turn(1)).max(turn(2)).max(turn(3));
-            if jump > limits.jump * limits.jump || turn > limits.turn * limits.turn {
+            if jump > limits.jump * limits.jump || self.turns_further(&shown, limits.turn) {
                 shown = self.limit(&asked, &shown, jump.sqrt(), limits, dt);
                 shown = show(pose, skeleton, leg, shown);
-                made = self.turns_to(&shown);
                 places = self::places(pose, leg);
             }
         }
-        self.note(asked, shown, places, made, per_second);
+        self.note(asked, shown, places, dt);
     }
 
     /// How a leg is turned that is asked to be turned as `shown`, which lets it `jump` by so many m/s, and keeps to its limits.
@@ -121,7 +119,8 @@ impl Soften {
         let mut kept = *shown;
         for (index, shown) in kept.iter_mut().enumerate() {
             let before = self.rotations[index];
-            let goes_on = from_scaled_axis(self.turns[index] * dt) * before;
+            let turn = turn_between(self.before[index], before) * (dt / self.seconds);
+            let goes_on = from_scaled_axis(turn) * before;
             let eased = goes_on.slerp(*shown, (limits.jump / jump.max(limits.jump)).min(1.0));
             let turn = angle_between(eased, before);
             *shown = if turn > limits.turn { before.slerp(eased, limits.turn / turn) } else { eased };
@@ -139,7 +138,6 @@ impl Soften {
         }
         let (rotations, places) = (turns_of(pose, leg), places(pose, leg));
         for (index, offset) in self.offsets.iter_mut().enumerate() {
-            self.turns[index] += turn_between(self.rotations[index], rotations[index]) / dt;
             *offset = (turn_between(self.asked[index], rotations[index]), Vec3::ZERO);
         }
         for (index, now) in places.iter().enumerate() {
@@ -159,34 +157,28 @@ impl Soften {
         self.elapsed < EASES
     }
 
-    /// `made` is how the leg turned since the last frame.
-    fn note(
-        &mut self,
-        asked: [Quat; JOINTS],
-        rotations: [Quat; JOINTS],
-        places: [Vec3; 3],
-        made: [Vec3; JOINTS],
-        per_second: f32,
-    ) {
+    /// Notes the leg as it is shown, `dt` seconds after the last time.
+    fn note(&mut self, asked: [Quat; JOINTS], rotations: [Quat; JOINTS], places: [Vec3; 3], dt: f32) {
         if self.known == Known::Nothing {
             self.elapsed = EASES;
             self.known = Known::Place;
         } else {
-            for (speed, made) in self.turns.iter_mut().zip(made) {
-                *speed = made * per_second;
-            }
+            let per_second = dt.recip();
             for (index, speed) in self.moves.iter_mut().enumerate() {
                 *speed = (places[index] - self.places[index]) * per_second;
             }
             self.known = Known::Motion;
         }
+        (self.before, self.seconds) = (self.rotations, dt);
         (self.asked, self.rotations, self.places) = (asked, rotations, places);
     }
 
-    /// How its joints turn to come to `rotations`, axis times radians.
-    fn turns_to(&self, rotations: &[Quat; JOINTS]) -> [Vec3; JOINTS] {
-        let turn = |index: usize| turn_between(self.rotations[index], rotations[index]);
-        [turn(0), turn(1), turn(2), turn(3)]
+    /// Whether a joint turns by more than `most` radians to come to `rotations`.
+    fn turns_further(&self, rotations: &[Quat; JOINTS], most: f32) -> bool {
+        // A turn by an angle has the cosine of its half for its last number.
+        let least = ops::cos(0.5 * most.min(core::f32::consts::PI));
+        let further = |index: usize| self.rotations[index].dot(rotations[index]).abs() < least;
+        further(0) | further(1) | further(2) | further(3)
     }
 }
 
@@ -202,7 +194,7 @@ fn turns_of(pose: &Pose, leg: &Leg) -> [Quat; JOINTS] {
 
 fn places(pose: &Pose, leg: &Leg) -> [Vec3; 3] {
     let [_, knee, ankle, toes] = joints(leg);
-    [pose.position(knee), pose.position(ankle), pose.position(toes)]
+    pose.positions_of([knee, ankle, toes])
 }
 
 /// Turns the joints so, as far as a knee goes; gives how they are turned then.

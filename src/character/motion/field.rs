@@ -62,6 +62,20 @@ impl<'a> UprightField<'a> {
     #[must_use]
     #[inline]
     pub(in crate::character) fn ground(&self, from: Vec3) -> Option<FieldGround<'_>> {
+        let (height, rise) = self.surface(from)?;
+        Some(FieldGround { field: self, height, rise })
+    }
+
+    /// World height of that alone.
+    #[must_use]
+    #[inline]
+    pub(in crate::character) fn height(&self, from: Vec3) -> Option<f32> {
+        self.surface(from).map(|(height, _)| height)
+    }
+
+    /// World height at a horizontal place, and what the ground rises there over a whole cell along the field's x and z.
+    #[inline(always)]
+    fn surface(&self, from: Vec3) -> Option<(f32, Vec2)> {
         let away = from - self.position;
         let local = self.turn.map_or(away, |turn| turn.inverse() * away);
         // In cells, from the corner of the field.
@@ -91,9 +105,8 @@ impl<'a> UprightField<'a> {
             }
         }
         let height = (here + u * along.x + v * along.y + beyond.max(0.0) * bend.y) * self.tall;
-        // What it rises over a whole cell.
         let rise = along + bend * f32::from(u8::from(beyond > 0.0));
-        Some(FieldGround { field: self, height: self.position.y + height, rise })
+        Some((self.position.y + height, rise))
     }
 
     /// Heights at the corners of a cell: the first, the next along z, the next along x, and the one across.
@@ -108,12 +121,12 @@ impl<'a> UprightField<'a> {
         self.statuses.get(row + column * self.rows).copied().unwrap_or(HeightFieldCellStatus::CELL_REMOVED)
     }
 
-    /// Calls `found` with every triangle, in the world, whose cell reaches into the span and is `worth` it by its corners. False, and
-    /// nothing called, for a field that is turned about the vertical.
+    /// Calls `found` with every triangle, in the world, whose cell reaches into the span and that has a corner that is `worth` it. False,
+    /// and nothing called, for a field that is turned about the vertical.
     pub(super) fn triangles_in(
         &self,
         span: Span,
-        worth: impl Fn(&[Vec3; 4]) -> bool,
+        worth: impl Fn(Vec3) -> bool,
         mut found: impl FnMut([Vec3; 3]),
     ) -> bool {
         if self.turn.is_some() {
@@ -142,16 +155,23 @@ impl<'a> UprightField<'a> {
                 if a.y.min(b.y).min(c.y).min(d.y) > span.most.y || a.y.max(b.y).max(c.y).max(d.y) < span.least.y {
                     continue;
                 }
-                if !worth(&[a, b, c, d]) {
+                let of = [worth(a), worth(b), worth(c), worth(d)];
+                if of == [false; 4] {
                     continue;
                 }
                 let status = self.status(column, row);
                 let zigzag = status.contains(HeightFieldCellStatus::ZIGZAG_SUBDIVISION);
-                if !status.contains(HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED) {
-                    found(if zigzag { [a, b, d] } else { [a, b, c] });
+                // The two that lie across the split belong to both.
+                let (split, left, right) = if zigzag {
+                    (of[0] | of[3], ([a, b, d], of[1]), ([a, d, c], of[2]))
+                } else {
+                    (of[1] | of[2], ([a, b, c], of[0]), ([b, d, c], of[3]))
+                };
+                if (split | left.1) && !status.contains(HeightFieldCellStatus::LEFT_TRIANGLE_REMOVED) {
+                    found(left.0);
                 }
-                if !status.contains(HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED) {
-                    found(if zigzag { [a, d, c] } else { [b, d, c] });
+                if (split | right.1) && !status.contains(HeightFieldCellStatus::RIGHT_TRIANGLE_REMOVED) {
+                    found(right.0);
                 }
             }
         }

@@ -89,12 +89,12 @@ pub(super) struct Rest {
 }
 
 /// Calls `found` with every triangle of the field, in the world, whose cell reaches into the span; where corners of cells are at hand, of
-/// those alone that are `worth` it.
+/// those alone that have one that is `worth` it.
 fn triangles_in(
     field: &HeightField,
     frame: Frame,
     span: Span,
-    worth: impl Fn(&[Vec3; 4]) -> bool,
+    worth: impl Fn(Vec3) -> bool,
     mut found: impl FnMut([Vec3; 3]),
 ) {
     if UprightField::new(field, frame.position, frame.rotation)
@@ -116,12 +116,17 @@ fn triangles_in(
 /// Whether a shape on its way may touch any triangle of the field.
 pub(super) fn reaches_into(field: &HeightField, frame: Frame, sweep: &Sweep) -> bool {
     let mut reaches = false;
-    let worth = |_: &[Vec3; 4]| true;
-    triangles_in(field, frame, sweep.span, worth, |triangle| {
-        let [a, b, c] = triangle;
-        let bounds = Span { least: a.min(b).min(c), most: a.max(b).max(c) };
-        reaches = reaches || (bounds.meets(sweep.span) && !sweep.stays_beside(triangle));
-    });
+    triangles_in(
+        field,
+        frame,
+        sweep.span,
+        |_| true,
+        |triangle| {
+            let [a, b, c] = triangle;
+            let bounds = Span { least: a.min(b).min(c), most: a.max(b).max(c) };
+            reaches = reaches || (bounds.meets(sweep.span) && !sweep.stays_beside(triangle));
+        },
+    );
     reaches
 }
 
@@ -131,9 +136,7 @@ pub(super) fn rest_on_field(field: &HeightField, frame: Frame, radius: f32, cent
     let rest: Cell<Option<Rest>> = Cell::new(None);
     let under = Span { least: centre.with_y(span.least.y), most: centre };
     // What is straight below is mostly what it rests on. Then nothing holds it higher that lies below the plane it rests on.
-    let worth = |corners: &[Vec3; 4]| {
-        rest.get().is_none_or(|rest| corners.iter().any(|corner| (corner - rest.point).dot(rest.normal) > FLUSH))
-    };
+    let worth = |corner: Vec3| rest.get().is_none_or(|rest| (corner - rest.point).dot(rest.normal) > FLUSH);
     for span in [under, span] {
         triangles_in(field, frame, span, worth, |triangle| {
             let above = rest.get().map_or(f32::NEG_INFINITY, |rest| rest.height);

@@ -37,7 +37,7 @@ use avian3d::{
     interpolation::TransformEasingSystems,
     prelude::{
         Collider, CollisionLayers, CustomPositionIntegration, NarrowPhaseSystems, PhysicsSchedule, RigidBody,
-        SleepingDisabled, SpatialQueryFilter, TransformInterpolation,
+        RotationInterpolation, SleepingDisabled, SpatialQueryFilter, TranslationInterpolation,
     },
 };
 use bevy::{prelude::*, utils::Parallel};
@@ -80,7 +80,8 @@ use tick::Tick;
     Collider = MotionShapes::default().standing.whole.clone(),
     CustomPositionIntegration,
     SleepingDisabled,
-    TransformInterpolation
+    TranslationInterpolation,
+    RotationInterpolation
 )]
 pub struct CharacterMotion;
 
