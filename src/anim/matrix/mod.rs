@@ -44,11 +44,7 @@ impl Mul for JointMatrix {
     /// What `other` takes somewhere is taken further by this one.
     #[inline]
     fn mul(self, other: Self) -> Self {
-        let [x, y, z] = other.0;
-        let (x, y, z) = (Vec4::from_array(x), Vec4::from_array(y), Vec4::from_array(z));
-        let row = |[a, b, c, d]: [f32; 4]| (x * a + y * b + (z * c + Vec4::W * d)).to_array();
-        let [first, second, third] = self.0;
-        Self([row(first), row(second), row(third)])
+        (self.to_affine() * other.to_affine()).into()
     }
 }
 
@@ -67,10 +63,10 @@ impl JointMatrix {
     /// Moves where it takes everything by `offset`.
     #[inline]
     pub(crate) fn shift(&mut self, offset: Vec3) {
-        // Whole rows: what is read whole soon after waits for a part that was written by itself.
-        let moved = |row: [f32; 4], by: f32| (Vec4::from_array(row) + Vec4::new(0.0, 0.0, 0.0, by)).to_array();
-        let [x, y, z] = self.0;
-        self.0 = [moved(x, offset.x), moved(y, offset.y), moved(z, offset.z)];
+        let [x, y, z] = &mut self.0;
+        x[3] += offset.x;
+        y[3] += offset.y;
+        z[3] += offset.z;
     }
 
     /// As columns.

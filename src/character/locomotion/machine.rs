@@ -249,8 +249,7 @@ impl Machine {
         let scale = (speed / (natural * playback)).clamp(self.plan.stride_range.0, self.plan.stride_range.1);
         // As much of it as there is of gaits: what doesn't step has no stride.
         self.stride_scale = 1.0 + (scale - 1.0) * weights.min(1.0);
-        let phase = self.phase + self.rate * dt;
-        self.phase = if (0.0..1.0).contains(&phase) { phase } else { phase.rem_euclid(1.0) };
+        self.phase = (self.phase + self.rate * dt).rem_euclid(1.0);
     }
 }
 

@@ -116,17 +116,12 @@ fn triangles_in(
 /// Whether a shape on its way may touch any triangle of the field.
 pub(super) fn reaches_into(field: &HeightField, frame: Frame, sweep: &Sweep) -> bool {
     let mut reaches = false;
-    triangles_in(
-        field,
-        frame,
-        sweep.span,
-        |_| true,
-        |triangle| {
-            let [a, b, c] = triangle;
-            let bounds = Span { least: a.min(b).min(c), most: a.max(b).max(c) };
-            reaches = reaches || (bounds.meets(sweep.span) && !sweep.stays_beside(triangle));
-        },
-    );
+    let any = |_: Vec3| true;
+    triangles_in(field, frame, sweep.span, any, |triangle| {
+        let [a, b, c] = triangle;
+        let bounds = Span { least: a.min(b).min(c), most: a.max(b).max(c) };
+        reaches = reaches || (bounds.meets(sweep.span) && !sweep.stays_beside(triangle));
+    });
     reaches
 }
 
