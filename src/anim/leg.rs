@@ -4,10 +4,7 @@
 
 use bevy::math::Vec3;
 
-use super::{
-    pose::Pose,
-    skeleton::{JointIndex, Skeleton},
-};
+use super::{pose::Pose, skeleton::JointIndex};
 
 /// Index of the left leg, foot or side in a pair.
 pub const LEFT: usize = 0;
@@ -83,11 +80,10 @@ impl Leg {
         [self.heel, self.ball, self.tip]
     }
 
-    /// Height of the ankle over the sole in the rest pose.
+    /// Height in metres of the ankle over the sole's lowest point in `pose`, as a rule the rest pose.
     #[must_use]
-    pub fn ankle_height(&self, skeleton: &Skeleton) -> f32 {
-        let rest = Pose::rest(skeleton);
-        let sole = self.sole().map(|point| point.position(&rest).y).into_iter().fold(f32::INFINITY, f32::min);
-        rest.position(self.foot).y - sole
+    pub fn ankle_height(&self, pose: &Pose) -> f32 {
+        let sole = self.sole().map(|point| point.position(pose).y).into_iter().fold(f32::INFINITY, f32::min);
+        pose.position(self.foot).y - sole
     }
 }

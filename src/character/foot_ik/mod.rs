@@ -104,7 +104,7 @@ impl FootIk {
             let [heel, ball, tip] = sole_model(&rest, &asset.legs[side]);
             let along = |from: Vec3, to: Vec3| (to - from).with_y(0.0).length();
             let ankle = rest.position(asset.legs[side].foot);
-            let ankle_height = asset.legs[side].ankle_height(&asset.skeleton);
+            let ankle_height = asset.legs[side].ankle_height(&rest);
             let bends = asset.legs[side].toes.is_some();
             SoleShape { heel: along(heel, ball), tip: along(ball, tip), ankle: along(ankle, ball), ankle_height, bends }
         });
